@@ -1,0 +1,238 @@
+// The public face that all trees share: what they are built from, what they are asked, what they answer.
+//
+// Trees are immutable once built and safe to query from many threads at once. Brute force is one of them.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "geometry/box.hpp"
+#include "geometry/intersect_triangle.hpp"
+#include "geometry/ray.hpp"
+#include "geometry/triangle.hpp"
+
+namespace treeline::accel {
+
+/// Thrown by builds and queries for input that has no answer (a point that is not finite, k = 0, a negative
+/// radius, …); the message names what is wrong and, for arrays, the index.
+struct InvalidInput : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
+
+using Id = std::uint32_t;
+inline constexpr Id no_id = 0xffffffffu;
+
+// ---- what a tree is built over -------------------------------------------------------------------------
+
+/// Points in D dimensions: KdTree<Points<float, 3>>.
+template <class T = float, int D = 3>
+struct Points {
+  using Scalar = T;
+  static constexpr int dimension = D;
+  using Point = geometry::Vec<T, D>;
+  using Box = geometry::Box<T, D>;
+  using Primitive = Point;
+};
+
+/// Triangles in space, with the ray test used at the leaves: Bvh<Triangles<float, geometry::MollerTrumbore>>.
+template <class T = float, class RayTest = geometry::Watertight>
+struct Triangles {
+  using Scalar = T;
+  static constexpr int dimension = 3;
+  using Test = RayTest;
+  using Point = geometry::Vec<T, 3>;
+  using Box = geometry::Box<T, 3>;
+  using Ray = geometry::Ray<T>;
+  using Primitive = geometry::Triangle<T>;
+};
+
+template <class Primitives>
+class BruteForce;
+template <class Primitives>
+class KdTree;
+template <class Primitives>
+class BspTree;
+template <class Primitives>
+class Bvh;
+
+// ---- build ---------------------------------------------------------------------------------------------
+
+/// What to do with a primitive that has a NaN or infinite coordinate.
+enum class NonFinite {
+  refuse,  ///< throw InvalidInput naming its index
+  drop     ///< leave it out; stats().dropped counts it; ids stay those of the input
+};
+
+/// Knobs common to all builders; each tree adds its own in a struct that derives from this one.
+struct BuildOptions {
+  NonFinite non_finite = NonFinite::refuse;
+  int leaf_size = 8;  ///< at most so many primitives in a leaf, where they can be told apart
+};
+
+struct TreeStats {
+  std::size_t primitives = 0;   ///< kept in the tree
+  std::size_t dropped = 0;      ///< left out because not finite
+  std::size_t references = 0;   ///< primitive references over all leaves (≥ primitives where trees duplicate)
+  std::size_t inner_nodes = 0;
+  std::size_t leaves = 0;
+  std::size_t depth = 0;        ///< edges from the root to the deepest leaf
+  std::size_t largest_leaf = 0;
+  std::size_t bytes = 0;        ///< memory held by the tree
+  double sah_cost = 0;          ///< expected cost of a random line: node step 1, primitive test 1; 0 where undefined
+
+  std::size_t node_count() const { return inner_nodes + leaves; }
+};
+
+/// One cell of a tree cut by an axis-aligned plane, for pictures: its outline in the two remaining axes.
+struct SliceCell {
+  std::vector<geometry::Vec2d> outline;  ///< convex, in order
+  std::size_t depth = 0;
+  std::size_t primitives = 0;
+};
+
+// ---- work counters: compiled out unless a Work is passed -----------------------------------------------
+
+/// Counts what a query touched: `tree.nearest(q, k, out, work)`.
+struct Work {
+  std::uint64_t nodes = 0, primitives = 0;
+  void node() { ++nodes; }
+  void primitive(std::uint64_t n = 1) { primitives += n; }
+};
+struct NoWork {
+  static constexpr void node() {}
+  static constexpr void primitive(std::uint64_t = 1) {}
+};
+template <class W>
+concept WorkCounter = requires(W w) {
+  w.node();
+  w.primitive(std::uint64_t{1});
+};
+
+// ---- answers -------------------------------------------------------------------------------------------
+
+template <class T>
+struct Neighbor {
+  T distance2 = std::numeric_limits<T>::infinity();  ///< squared distance
+  Id id = no_id;
+
+  /// Nearer first; ties by lower id.
+  constexpr bool operator<(const Neighbor& o) const {
+    return distance2 < o.distance2 || (distance2 == o.distance2 && id < o.id);
+  }
+  constexpr bool operator==(const Neighbor&) const = default;
+};
+
+/// Variable-length answers of a batch: those of query i are items[offsets[i]] … items[offsets[i + 1] - 1].
+template <class Item>
+struct Lists {
+  std::vector<std::size_t> offsets{0};
+  std::vector<Item> items;
+
+  std::size_t size() const { return offsets.size() - 1; }
+  std::span<const Item> operator[](std::size_t i) const {
+    return {items.data() + offsets[i], offsets[i + 1] - offsets[i]};
+  }
+  void clear() { offsets.assign(1, 0), items.clear(); }
+};
+
+template <class T>
+struct Hit {
+  T t = std::numeric_limits<T>::infinity();  ///< in lengths of the ray's direction
+  Id primitive = no_id;
+  T u = 0, v = 0;  ///< hit point = (1 - u - v)·a + u·b + v·c
+
+  constexpr explicit operator bool() const { return primitive != no_id; }
+  constexpr bool operator==(const Hit&) const = default;
+};
+
+/// Where on a triangle a closest point lies.
+enum class Feature : std::uint8_t { face, edge_ab, edge_bc, edge_ca, vertex_a, vertex_b, vertex_c };
+
+template <class T>
+struct ClosestPoint {
+  T distance2 = std::numeric_limits<T>::infinity();
+  Id primitive = no_id;
+  Feature feature = Feature::face;
+  geometry::Vec<T, 3> point{};
+
+  constexpr explicit operator bool() const { return primitive != no_id; }
+};
+
+// ---- the four surfaces ---------------------------------------------------------------------------------
+//
+// Batches take `threads`: the number of threads that share the batch (at least 1). Answers do not depend on it.
+
+/// Neighbours of a point among points.
+/// nearest: the k nearest, nearest first, ties by lower id; writes min(k, size) of them to out (which must hold
+///   as many) and returns how many. The batch writes k per query, padding with no_id and infinite distance.
+/// within: all at a distance ≤ radius, in no particular order. inside: ids of all in the closed box.
+/// All throw InvalidInput for k = 0, a negative or NaN radius, a query that is not finite, or a box with NaN.
+template <class I>
+concept NeighborIndex =
+    requires(const I& index, const typename I::Point& q, const typename I::Box& box, typename I::Scalar radius,
+             std::size_t k, std::span<Neighbor<typename I::Scalar>> out,
+             std::vector<Neighbor<typename I::Scalar>>& list, std::vector<Id>& ids,
+             std::span<const typename I::Point> queries, std::span<const typename I::Box> boxes,
+             Lists<Neighbor<typename I::Scalar>>& lists, Lists<Id>& id_lists, int threads, Work& work) {
+      { index.nearest(q, k, out) } -> std::same_as<std::size_t>;
+      { index.nearest(q, k, out, work) } -> std::same_as<std::size_t>;
+      index.within(q, radius, list);
+      index.within(q, radius, list, work);
+      index.inside(box, ids);
+      index.inside(box, ids, work);
+      index.nearest(queries, k, out, threads);
+      index.within(queries, radius, lists, threads);
+      index.inside(boxes, id_lists, threads);
+    };
+
+/// Rays against triangles; triangles are closed sets and hit from both sides.
+/// closest_hit: the hit of smallest t in [t_min, t_max] (ties: lower id). any_hit: whether there is one.
+/// All throw InvalidInput for a ray with a NaN, an infinite origin or direction, or a zero direction.
+template <class I>
+concept RayIndex = requires(const I& index, const typename I::Ray& ray,
+                            std::span<const typename I::Ray> rays,
+                            std::span<Hit<typename I::Scalar>> hits, std::span<std::uint8_t> any, int threads,
+                            Work& work) {
+  { index.closest_hit(ray) } -> std::same_as<Hit<typename I::Scalar>>;
+  { index.closest_hit(ray, work) } -> std::same_as<Hit<typename I::Scalar>>;
+  { index.any_hit(ray) } -> std::same_as<bool>;
+  { index.any_hit(ray, work) } -> std::same_as<bool>;
+  index.closest_hit(rays, hits, threads);
+  index.any_hit(rays, any, threads);
+};
+
+/// The nearest point of a set of triangles, if at a distance ≤ max_distance.
+template <class I>
+concept ClosestPointIndex = requires(const I& index, const typename I::Point& q, typename I::Scalar max_distance,
+                                     std::span<const typename I::Point> queries,
+                                     std::span<ClosestPoint<typename I::Scalar>> out, int threads, Work& work) {
+  { index.closest_point(q) } -> std::same_as<ClosestPoint<typename I::Scalar>>;
+  { index.closest_point(q, max_distance) } -> std::same_as<ClosestPoint<typename I::Scalar>>;
+  { index.closest_point(q, max_distance, work) } -> std::same_as<ClosestPoint<typename I::Scalar>>;
+  index.closest_point(queries, max_distance, out, threads);
+};
+
+/// Whether a point lies inside a closed, consistently oriented mesh (its surface included as far as the scalar
+/// type can tell). What it answers for an open mesh is unspecified, but it answers.
+template <class I>
+concept VolumeIndex = requires(const I& index, const typename I::Point& q, std::span<const typename I::Point> queries,
+                               std::span<std::uint8_t> out, int threads) {
+  { index.contains(q) } -> std::same_as<bool>;
+  index.contains(queries, out, threads);
+};
+
+/// What every tree can tell of itself.
+template <class I>
+concept Inspectable = requires(const I& index, int axis, double offset) {
+  { index.size() } -> std::same_as<std::size_t>;
+  { index.bytes() } -> std::same_as<std::size_t>;
+  { index.stats() } -> std::same_as<TreeStats>;
+  { index.slice(axis, offset) } -> std::same_as<std::vector<SliceCell>>;
+};
+
+}  // namespace treeline::accel

@@ -1,0 +1,110 @@
+// What a task tells the harness. The harness (harness.hpp) owns everything else: the command line, timing, rows,
+// resume, isolation, statuses, advice.
+//
+// A task offers blocks; a block holds one dataset with its query sets and its truth; a method builds a subject
+// over the block; the harness times subject.run() and then asks block.check() how far its answers are off.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bench/core/row.hpp"
+#include "datasets_gen/dataset.hpp"
+
+namespace treeline::bench {
+
+enum class Profile { smoke, quick, full };
+
+/// One built index (or none, for brute force) with the answers to the last query set it ran.
+class Subject {
+ public:
+  virtual ~Subject() = default;
+  /// Answers the whole query set; the only timed part of a query. Answers stay in buffers of the subject.
+  /// Throws Unsupported where the method has no such query, any other std::exception to refuse.
+  virtual void run(std::size_t query_set, const Knobs& query_knobs, int threads) = 0;
+  /// Nodes and primitives touched per query, if the method can count them. Not timed.
+  virtual std::optional<std::pair<double, double>> work(std::size_t query_set, const Knobs& query_knobs) {
+    (void)query_set, (void)query_knobs;
+    return std::nullopt;
+  }
+};
+
+struct Unsupported : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// One way to answer a task; what it is, and every combination of knobs to sweep.
+struct MethodInfo {
+  std::string name;    // unique in the task, e.g. "bvh", "nanoflann"
+  std::string family;  // brute, kd, bsp, bvh, octree, forest
+  Source source = Source::ours;
+  Claim claim = Claim::exact;
+  std::string peer_version;
+  std::vector<Knobs> build_knobs{Knobs::object()};
+  std::vector<Knobs> query_knobs{Knobs::object()};  // swept on one build
+  int ladder = 0;  // order from the least model to the richest, for advice at equal cost
+  std::size_t largest_n = SIZE_MAX;  // not run above (brute force); the row says `unsupported`
+};
+
+struct QuerySet {
+  std::string name;  // e.g. "knn8_self"
+  std::size_t size = 0;
+};
+
+class Block {
+ public:
+  virtual ~Block() = default;
+  virtual const std::vector<QuerySet>& query_sets() const = 0;
+  /// Builds method number m (an index into Task::methods()); timed and its allocations counted by the harness.
+  /// Throws to refuse the input.
+  virtual std::unique_ptr<Subject> build(std::size_t m, const Knobs& build_knobs, int threads) = 0;
+  /// Error of the answers that the subject holds for this query set, against truth in double. Not timed.
+  virtual Errors check(std::size_t m, const Subject& subject, std::size_t query_set, const Knobs& query_knobs) = 0;
+  virtual std::size_t n() const = 0;
+  virtual std::uint64_t seed() const = 0;
+  virtual std::uint64_t dataset_hash() const = 0;
+};
+
+struct BlockSpec {
+  std::string dataset;  // recipe, or hard case
+  std::size_t n = 0;    // 0: as the file or the hard case has it
+  bool hard = false;
+  std::string label() const { return hard ? "hard/" + dataset : dataset + ":" + std::to_string(n); }
+};
+
+struct RunContext {
+  Profile profile = Profile::quick;
+  std::uint64_t seed = 1;
+  int threads = 1;
+  std::string truth_cache;  // folder for cached truths; empty: no cache
+};
+
+class Task {
+ public:
+  virtual ~Task() = default;
+  virtual std::string name() const = 0;
+  /// Raised when queries, truth or errors change meaning; part of the truth cache's key.
+  virtual int version() const = 0;
+  virtual const std::vector<MethodInfo>& methods() const = 0;
+  /// Peers that this build lacks: method name and the package it needs. They get `not_built` rows.
+  virtual std::vector<std::pair<std::string, std::string>> not_built() const = 0;
+  virtual std::vector<BlockSpec> blocks(Profile) const = 0;
+  virtual std::vector<BlockSpec> hard_blocks() const = 0;
+  /// The recipes that --dataset accepts.
+  virtual datasets::Kind dataset_kind() const = 0;
+  virtual std::unique_ptr<Block> open(const BlockSpec&, const RunContext&) const = 0;
+  /// A block over the user's own file.
+  virtual std::unique_ptr<Block> open(datasets::Dataset, const RunContext&) const = 0;
+  /// Query sets on which --advise measures (names); every rung must meet the tolerance on each.
+  virtual std::vector<std::string> advise_on() const = 0;
+  /// Writes pictures of one block (slices through trees, renderings with wrong pixels marked) and an
+  /// index of them, pictures.jsonl, into a folder: one object a line with file, title, dataset, method, kind.
+  virtual void pictures(const BlockSpec&, const RunContext&, const std::string& folder) const = 0;
+};
+
+/// Runs a whole benchmark program; returns its exit status (0 as expected, 1 ours failed or nothing matched,
+/// 2 unusable arguments or input).
+int run_program(const Task& task, int argc, char** argv);
+
+}  // namespace treeline::bench

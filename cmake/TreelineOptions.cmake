@@ -1,0 +1,26 @@
+# treeline_options: how our own programs and libraries are compiled. Never exported, never global.
+add_library(treeline_options INTERFACE)
+target_compile_features(treeline_options INTERFACE cxx_std_20)
+# -fno-math-errno and -fno-trapping-math let GCC vectorise numeric loops without touching NaN or rounding.
+target_compile_options(treeline_options INTERFACE -Wall -Wextra -fno-math-errno -fno-trapping-math)
+set(TREELINE_ISA_FLAGS "")
+if(TREELINE_ISA STREQUAL "native")
+  set(TREELINE_ISA_FLAGS -march=native)
+elseif(NOT TREELINE_ISA STREQUAL "baseline")
+  message(FATAL_ERROR "TREELINE_ISA is '${TREELINE_ISA}'; it must be native or baseline")
+endif()
+target_compile_options(treeline_options INTERFACE ${TREELINE_ISA_FLAGS})
+
+# treeline_sanitize: also for what links libraries built with other -m flags.
+add_library(treeline_sanitize INTERFACE)
+if(TREELINE_SANITIZE)
+  target_compile_options(treeline_sanitize INTERFACE -fsanitize=${TREELINE_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(treeline_sanitize INTERFACE -fsanitize=${TREELINE_SANITIZE})
+  target_compile_definitions(treeline_sanitize INTERFACE TREELINE_SANITIZED=1)
+endif()
+target_link_libraries(treeline_options INTERFACE treeline_sanitize)
+
+find_program(TREELINE_CCACHE ccache)
+if(TREELINE_CCACHE AND PROJECT_IS_TOP_LEVEL)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${TREELINE_CCACHE})
+endif()

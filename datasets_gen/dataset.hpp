@@ -1,0 +1,51 @@
+// A dataset: named geometry with the recipe and seed, or the file, that it came from, and a hash of its content.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "geometry/cloud.hpp"
+#include "geometry/mesh.hpp"
+
+namespace treeline::datasets {
+
+enum class Kind { cloud, mesh };
+
+struct Dataset {
+  std::string name;      // of the recipe, or the file's name without its folder
+  Kind kind = Kind::cloud;
+  std::uint64_t seed = 0;
+  geometry::Cloud3f cloud;  // kind cloud
+  geometry::Mesh3f mesh;    // kind mesh
+  bool closed = false;      // mesh: closed and consistently oriented, as the recipe promises or adjacency finds
+  std::vector<std::string> notes;  // what a user should know, e.g. coordinates that float could not hold
+
+  /// Points of a cloud, faces of a mesh.
+  std::size_t size() const { return kind == Kind::cloud ? cloud.size() : mesh.size(); }
+  /// 64-bit hash of the geometry alone (coordinates bit by bit, and indices): equal content, equal hash.
+  std::uint64_t hash() const;
+};
+
+/// Told as work goes on: a share in [0, 1]. Called only when generation takes more than two seconds.
+using Progress = std::function<void(double)>;
+
+struct Recipe {
+  std::string name;
+  Kind kind;
+  std::string summary;  // one line for --list
+  bool closed = false;
+};
+
+/// Every recipe, in the order in which they are charted.
+std::span<const Recipe> recipes();
+
+/// Makes about n points or exactly as near to n faces as the recipe allows (1e3 ≤ n ≤ 1e7); the same name, n
+/// and seed give the same bits on every machine and with any number of threads.
+/// Throws std::invalid_argument for an unknown name (listing those known) or n out of range.
+Dataset generate(std::string_view name, std::size_t n, std::uint64_t seed, const Progress& progress = {});
+
+}  // namespace treeline::datasets

@@ -1,0 +1,45 @@
+// Hard cases: small inputs on which methods are known to break, each with its source and its law.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/cloud.hpp"
+#include "geometry/mesh.hpp"
+#include "geometry/ray.hpp"
+
+namespace treeline::datasets {
+
+/// What a method may do with a case and still be right.
+enum class Expect {
+  answers,            // must answer, and answer right
+  answers_or_refuses  // may refuse with a clear error; if it answers, it must answer right over the finite part
+};
+
+struct HardCase {
+  std::string family;  // one file of datasets_gen/hard each
+  std::string name;    // unique over all families
+  std::string source;  // paper, upstream issue or derivation
+  std::string law;     // what must hold, in one sentence
+  Expect expect = Expect::answers;
+
+  // For the task knn: points, and queries of each kind that is not empty.
+  geometry::Cloud3f cloud;
+  std::vector<geometry::Vec3f> queries;
+  std::size_t k = 8;
+  float radius = -1;  // radius queries too, unless negative
+
+  // For the task ray: a mesh, and rays.
+  geometry::Mesh3f mesh;
+  std::vector<geometry::Rayf> rays;
+  bool from_inside = false;  // every ray starts inside the closed mesh: each must hit
+
+  bool for_points() const { return mesh.faces.empty() && rays.empty(); }
+};
+
+/// All cases of all families; deterministic.
+std::vector<HardCase> hard_cases();
+
+}  // namespace treeline::datasets

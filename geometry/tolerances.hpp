@@ -1,0 +1,18 @@
+// Every tolerance of the project, named, relative to a scale, with its derivation.
+#pragma once
+
+#include <limits>
+
+namespace treeline::geometry::tolerance {
+
+/// Unit roundoff: half an ulp of 1, relative error of one rounded operation.
+template <class T>
+inline constexpr T unit_roundoff = std::numeric_limits<T>::epsilon() / T(2);
+
+/// Bound gamma(n) = n·u / (1 - n·u) on the relative error of n chained roundings (Higham 2002, lemma 3.1).
+template <class T>
+constexpr T gamma(int n) {
+  return (n * unit_roundoff<T>) / (T(1) - n * unit_roundoff<T>);
+}
+
+}  // namespace treeline::geometry::tolerance
