@@ -1,0 +1,99 @@
+#!/usr/bin/env bash
+# The main job: sets up what is missing, builds, measures every task, and ends with an HTML report.
+set -u
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+usage() {
+  cat <<'EOF'
+bench/run.sh [--profile smoke|quick|full] [--task T]... [--out DIR] [--resume] [--no-install]
+
+  --profile P    smoke: every cell once, tiny; quick (default): minutes; full: hours
+  --task T       only this task (knn, ray); may be repeated
+  --out DIR      folder for rows, pictures and report; default results/<profile>-<date>-<time>
+  --resume       continue the run in --out (default: the newest of this profile) where it stopped
+  --no-install   install nothing
+Exit status: 0 all as expected; 1 a method of ours failed a cell; 2 unusable arguments or machine.
+EOF
+}
+
+profile=quick out= resume=0 install=1 tasks=()
+need() { [ $# -ge 2 ] && [ -n "$2" ] || { echo "run.sh: $1 needs a value" >&2; exit 2; }; }
+while [ $# -gt 0 ]; do
+  case $1 in
+    --profile) need "$@"; profile=$2; shift 2 ;;
+    --task) need "$@"; tasks+=("$2"); shift 2 ;;
+    --out) need "$@"; out=$2; shift 2 ;;
+    --resume) resume=1; shift ;;
+    --no-install) install=0; shift ;;
+    -h | --help) usage; exit 0 ;;
+    *) echo "run.sh: unknown argument '$1'" >&2; usage >&2; exit 2 ;;
+  esac
+done
+case $profile in smoke | quick | full) ;; *)
+  echo "run.sh: --profile is '$profile'; it must be smoke, quick or full" >&2
+  exit 2
+  ;;
+esac
+known=()
+for folder in "$root"/bench/*/task.hpp; do
+  name=$(basename "$(dirname "$folder")")
+  [ "$name" = core ] || known+=("$name")
+done
+for task in ${tasks[@]+"${tasks[@]}"}; do
+  case " ${known[*]} " in *" $task "*) ;; *)
+    echo "run.sh: unknown task '$task'; known: ${known[*]}" >&2
+    exit 2
+    ;;
+  esac
+done
+[ ${#tasks[@]} -gt 0 ] || tasks=("${known[@]}")
+
+if [ -z "$out" ]; then
+  if [ $resume -eq 1 ]; then
+    out=$(find "$root/results" -maxdepth 1 -type d -name "$profile-*" 2>/dev/null | sort | tail -n 1)
+    [ -n "$out" ] || { echo "run.sh: --resume: no earlier $profile run in results/" >&2; exit 2; }
+  else
+    out=$root/results/$profile-$(date +%Y%m%d-%H%M%S)
+  fi
+fi
+if [ $resume -eq 0 ] && [ -n "$(find "$out" -name '*.jsonl' -print -quit 2>/dev/null)" ]; then
+  echo "run.sh: $out already holds results; pass --resume to continue them, or another --out" >&2
+  exit 2
+fi
+mkdir -p "$out" || exit 2
+out=$(cd "$out" && pwd)
+
+# shellcheck source=scripts/setup.sh
+. "$root/scripts/setup.sh"
+ensure_packages
+ensure_python
+build_preset release "${tasks[@]/#/bench_}"
+
+status=0
+worst() { [ "$1" -gt "$status" ] && status=$1; }
+started=$(date +%s)
+for task in "${tasks[@]}"; do
+  program=$root/build/release/bench/bench_$task
+  flags=()
+  [ $resume -eq 1 ] && flags=(--resume)
+  say "Task $task: measuring ($profile)"
+  "$program" --profile "$profile" --rows "$out/$task.jsonl" ${flags[@]+"${flags[@]}"} >"$out/$task.log"
+  code=$?
+  [ $code -eq 2 ] && { cat "$out/$task.log" >&2; fail 2 "bench_$task could not run"; }
+  [ $code -gt 2 ] && fail 1 "bench_$task was ended (status $code); continue with --resume --out $out"
+  worst $code
+  say "Task $task: hard cases"
+  "$program" --stress --rows "$out/$task.stress.jsonl" ${flags[@]+"${flags[@]}"} >"$out/$task.stress.log"
+  worst $?
+  say "Task $task: pictures"
+  "$program" --profile "$profile" --pictures "$out/pictures/$task" >"$out/$task.pictures.log" || worst $?
+done
+
+say "Report"
+pictures=()
+for task in "${tasks[@]}"; do pictures+=(--pictures "$out/pictures/$task"); done
+"$root/.venv/bin/python" "$root/bench/report/report.py" "$out"/*.jsonl "${pictures[@]}" \
+  --out "$out/report.html" --winners || fail 2 "the report could not be made; the rows are in $out"
+printf '\nRows:   %s\nReport: %s\nTime:   %s s after the build\n' "$out" "$out/report.html" $(($(date +%s) - started))
+[ $status -eq 1 ] && echo "A method of ours failed a cell: look for 'wrong', 'crashed' or 'timeout' in the report." >&2
+exit "$status"
