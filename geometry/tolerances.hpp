@@ -15,4 +15,9 @@ constexpr T gamma(int n) {
   return (n * unit_roundoff<T>) / (T(1) - n * unit_roundoff<T>);
 }
 
+/// Padding of a box in a slab test, relative to the distance of its corners from the ray's origin: 8
+/// roundings, 6 of them used up; the derivation is in intersect_box.hpp.
+template <class T>
+inline constexpr T slab_padding = T(8) * unit_roundoff<T>;
+
 }  // namespace treeline::geometry::tolerance

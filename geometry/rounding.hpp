@@ -1,0 +1,27 @@
+// A product that is rounded on its own, whatever the compiler's flags say about fused multiply-add.
+//
+// Problem: g++ contracts a*b - c*d to fma(a, b, -(c*d)) wherever the target has FMA. The two products are
+// then rounded differently, so the edge function of an edge seen from its two triangles no longer changes
+// sign only, and rays slip through. There is no portable pragma that g++ obeys, and flags belong to the user
+// of a header. Cure: pass the product through an empty asm statement: no instruction, but nothing to contract
+// either. Cost: none in scalar code; it keeps the compiler from vectorising the expression. Elsewhere: a
+// store and a load.
+#pragma once
+
+namespace treeline::geometry {
+
+template <class T>
+inline T rounded(T x) {
+#if (defined(__GNUC__) || defined(__clang__)) && defined(__SSE2__)
+  asm("" : "+x"(x));
+  return x;
+#elif (defined(__GNUC__) || defined(__clang__)) && defined(__aarch64__)
+  asm("" : "+w"(x));
+  return x;
+#else
+  volatile T stored = x;
+  return stored;
+#endif
+}
+
+}  // namespace treeline::geometry
