@@ -1,5 +1,5 @@
-// Rows: one measured cell as a flat record, written as one JSON object a line. Null is never left out, NaN never
-// written.
+// Rows: one measured cell as a flat record, written as one JSON object a line. Null is never left out, NaN
+// never written.
 #pragma once
 
 #include <cstdint>
@@ -27,8 +27,8 @@ Status status_from(std::string_view);
 /// How far the answers of one cell are from the truth. What does not apply stays empty.
 struct Errors {
   std::optional<double> error, max, p99, mean, bias, floor;
-  bool within_claim = true;  ///< false: the row's status becomes `wrong`
-  std::string reason;        ///< why not within the claim, with the first offending query
+  bool within_claim = true;       ///< false: the row's status becomes `wrong`
+  std::string reason;             ///< why not within the claim, with the first offending query
   Knobs extra = Knobs::object();  ///< the task's own fields, prefixed by its name
 };
 
@@ -58,6 +58,13 @@ struct Row {
   std::string key() const;
   /// Adds isa, flags, compiler, cpu, host, commit and time.
   nlohmann::ordered_json to_json() const;
+  /// to_json() on one line, without the line's end; text that is not UTF-8 is repaired.
+  std::string to_line() const;
+  /// Reads a row back, leaving out what to_json() adds. Throws (nlohmann or std) for what is not a row.
+  static Row from_json(const nlohmann::ordered_json&);
 };
+
+/// 16 hex digits, as in Row::dataset_hash.
+std::string format_hash(std::uint64_t);
 
 }  // namespace treeline::bench

@@ -1,8 +1,9 @@
-// What a task tells the harness. The harness (harness.hpp) owns everything else: the command line, timing, rows,
-// resume, isolation, statuses, advice.
+// What a task tells the harness. The harness (harness.hpp) owns everything else: the command line, timing,
+// rows, resume, isolation, statuses, advice.
 //
-// A task offers blocks; a block holds one dataset with its query sets and its truth; a method builds a subject
-// over the block; the harness times subject.run() and then asks block.check() how far its answers are off.
+// A task offers blocks; a block holds one dataset with its query sets and its truth; a method builds a
+// subject over the block; the harness times subject.run() and then asks block.check() how far its answers are
+// off.
 #pragma once
 
 #include <memory>
@@ -43,7 +44,7 @@ struct MethodInfo {
   std::string peer_version;
   std::vector<Knobs> build_knobs{Knobs::object()};
   std::vector<Knobs> query_knobs{Knobs::object()};  // swept on one build
-  int ladder = 0;  // order from the least model to the richest, for advice at equal cost
+  int ladder = 0;                    // order from the least model to the richest, for advice at equal cost
   std::size_t largest_n = SIZE_MAX;  // not run above (brute force); the row says `unsupported`
 };
 
@@ -56,11 +57,12 @@ class Block {
  public:
   virtual ~Block() = default;
   virtual const std::vector<QuerySet>& query_sets() const = 0;
-  /// Builds method number m (an index into Task::methods()); timed and its allocations counted by the harness.
-  /// Throws to refuse the input.
+  /// Builds method number m (an index into Task::methods()); timed and its allocations counted by the
+  /// harness. Throws to refuse the input.
   virtual std::unique_ptr<Subject> build(std::size_t m, const Knobs& build_knobs, int threads) = 0;
   /// Error of the answers that the subject holds for this query set, against truth in double. Not timed.
-  virtual Errors check(std::size_t m, const Subject& subject, std::size_t query_set, const Knobs& query_knobs) = 0;
+  virtual Errors check(std::size_t m, const Subject& subject, std::size_t query_set,
+                       const Knobs& query_knobs) = 0;
   virtual std::size_t n() const = 0;
   virtual std::uint64_t seed() const = 0;
   virtual std::uint64_t dataset_hash() const = 0;
