@@ -1,4 +1,5 @@
-// A dataset: named geometry with the recipe and seed, or the file, that it came from, and a hash of its content.
+// A dataset: named geometry with the recipe and seed, or the file, that it came from, and a hash of its
+// content.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +17,12 @@ namespace treeline::datasets {
 enum class Kind { cloud, mesh };
 
 struct Dataset {
-  std::string name;      // of the recipe, or the file's name without its folder
+  std::string name;  // of the recipe, or the file's name without its folder
   Kind kind = Kind::cloud;
   std::uint64_t seed = 0;
   geometry::Cloud3f cloud;  // kind cloud
   geometry::Mesh3f mesh;    // kind mesh
-  bool closed = false;      // mesh: closed and consistently oriented, as the recipe promises or adjacency finds
+  bool closed = false;  // mesh: closed and consistently oriented, as the recipe promises or adjacency finds
   std::vector<std::string> notes;  // what a user should know, e.g. coordinates that float could not hold
 
   /// Points of a cloud, faces of a mesh.

@@ -15,7 +15,8 @@ namespace treeline::datasets {
 /// What a method may do with a case and still be right.
 enum class Expect {
   answers,            // must answer, and answer right
-  answers_or_refuses  // may refuse with a clear error; if it answers, it must answer right over the finite part
+  answers_or_refuses  // may refuse with a clear error; if it answers, it must answer right over the finite
+                      // part
 };
 
 struct HardCase {

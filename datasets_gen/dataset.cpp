@@ -1,0 +1,29 @@
+#include "datasets_gen/dataset.hpp"
+
+#include <xxhash.h>
+
+#include <memory>
+
+namespace treeline::datasets {
+
+static_assert(sizeof(geometry::Vec3f) == 12 && sizeof(geometry::Mesh3f::Face) == 12, "hashed as plain bytes");
+
+std::uint64_t Dataset::hash() const {
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
+  XXH3_64bits_reset(state.get());
+  // Lengths go in first, so that a vertex cannot be taken for a face.
+  const auto add = [&](const auto& array) {
+    const std::uint64_t length = array.size();
+    XXH3_64bits_update(state.get(), &length, sizeof length);
+    if (length > 0) XXH3_64bits_update(state.get(), array.data(), length * sizeof array[0]);
+  };
+  if (kind == Kind::cloud) {
+    add(cloud.points);
+  } else {
+    add(mesh.vertices);
+    add(mesh.faces);
+  }
+  return XXH3_64bits_digest(state.get());
+}
+
+}  // namespace treeline::datasets

@@ -1,0 +1,75 @@
+// What a recipe is made of: its function, the size and seed asked for, and a parallel loop that reports
+// progress. Internal to the library of recipes.
+#pragma once
+
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+
+#include "datasets_gen/dataset.hpp"
+#include "datasets_gen/portable.hpp"
+
+namespace treeline::datasets {
+
+/// Sums the shares of the work that all threads have done; tells the progress function from two seconds on,
+/// ten times a second.
+class Ticker {
+ public:
+  explicit Ticker(const Progress& progress) : progress_(progress) {}
+
+  void add(double share);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  const Progress& progress_;
+  Clock::time_point next_ = Clock::now() + std::chrono::seconds(2);
+  std::atomic<double> done_ = 0;
+  std::mutex mutex_;
+};
+
+/// What a recipe gets.
+struct Job {
+  std::size_t n;
+  std::uint64_t seed;
+  Ticker& ticker;
+
+  /// Calls make(i) for every i below count, on all threads. make must depend on i and the seed alone.
+  /// share: the part of the recipe's work that this loop is.
+  template <class Make>
+  void each(std::size_t count, const Make& make, double share = 1, std::size_t grain = 4096) const {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i != range.end(); ++i) make(i);
+      ticker.add(share * static_cast<double>(range.size()) / static_cast<double>(count));
+    });
+  }
+  /// A cloud of count points, the i-th being make(i).
+  template <class Make>
+  geometry::Cloud3f cloud(std::size_t count, const Make& make) const {
+    geometry::Cloud3f r;
+    r.points.resize(count);
+    each(count, [&](std::size_t i) { r.points[i] = rounded(make(i)); });
+    return r;
+  }
+};
+
+// One function per recipe; the table is in recipes.cpp.
+geometry::Cloud3f uniform_cube(const Job&);
+geometry::Cloud3f uniform_ball(const Job&);
+geometry::Cloud3f displaced_sphere(const Job&);
+geometry::Cloud3f clusters(const Job&);
+geometry::Cloud3f lidar(const Job&);
+geometry::Cloud3f filaments(const Job&);
+geometry::Cloud3f grid(const Job&);
+
+geometry::Mesh3f icosphere(const Job&);
+geometry::Mesh3f terrain(const Job&);
+geometry::Mesh3f architecture(const Job&);
+geometry::Mesh3f forest(const Job&);
+geometry::Mesh3f nested_shells(const Job&);
+geometry::Mesh3f torus_knot(const Job&);
+
+}  // namespace treeline::datasets
