@@ -20,4 +20,13 @@ constexpr T gamma(int n) {
 template <class T>
 inline constexpr T slab_padding = T(8) * unit_roundoff<T>;
 
+/// Slack of a point's distance bound from a plane of computed unit normal, relative to the coordinates'
+/// distance from the local origin: 1 rounding to shift and D to project for each of the two points, D + 4 for
+/// the length of the normal, (D + 2) / 2 for the compared distance, and the bound's own; 2 D + 8 covers
+/// either sum.
+template <class T>
+constexpr T plane_bound(int dimension) {
+  return gamma<T>(2 * dimension + 8);
+}
+
 }  // namespace treeline::geometry::tolerance

@@ -1,0 +1,76 @@
+// What a search for neighbours collects: the k best so far (a sorted list for small k, a binary heap above),
+// or all within a radius. `limit` is the squared distance above which nothing more is wanted.
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "accel/concepts.hpp"
+
+namespace treeline::accel {
+
+/// Insertion into a sorted list: k / 2 moves of 8 or 16 bytes, with no branch to mispredict but the last.
+template <class T>
+class SortedBest {
+ public:
+  /// `best` must not be empty; it holds the answer afterwards, nearest first.
+  explicit SortedBest(std::span<Neighbor<T>> best) : best_(best) { std::ranges::fill(best_, Neighbor<T>{}); }
+  T limit() const { return best_.back().distance2; }
+  bool offer(T distance2, Id id) {
+    const Neighbor<T> candidate{distance2, id};
+    if (!(candidate < best_.back())) return false;
+    std::size_t i = best_.size() - 1;
+    for (; i > 0 && candidate < best_[i - 1]; --i) best_[i] = best_[i - 1];
+    best_[i] = candidate;
+    return true;
+  }
+  void finish() {}
+
+  static constexpr std::size_t largest_k = 48;  // measured: from here on the heap is faster
+
+ private:
+  std::span<Neighbor<T>> best_;
+};
+
+/// A binary heap with the worst on top: log2 k moves.
+template <class T>
+class HeapBest {
+ public:
+  explicit HeapBest(std::span<Neighbor<T>> best) : best_(best) { std::ranges::fill(best_, Neighbor<T>{}); }
+  T limit() const { return best_.front().distance2; }
+  bool offer(T distance2, Id id) {
+    const Neighbor<T> candidate{distance2, id};
+    if (!(candidate < best_.front())) return false;
+    std::size_t hole = 0;
+    for (std::size_t child; (child = 2 * hole + 1) < best_.size(); hole = child) {
+      if (child + 1 < best_.size() && best_[child] < best_[child + 1]) ++child;
+      if (!(candidate < best_[child])) break;
+      best_[hole] = best_[child];
+    }
+    best_[hole] = candidate;
+    return true;
+  }
+  void finish() { std::sort(best_.begin(), best_.end()); }
+
+ private:
+  std::span<Neighbor<T>> best_;
+};
+
+template <class T>
+class WithinRadius {
+ public:
+  WithinRadius(T limit, std::vector<Neighbor<T>>& list) : limit_(limit), list_(&list) {}
+  T limit() const { return limit_; }
+  bool offer(T distance2, Id id) {
+    if (!(distance2 <= limit_)) return false;
+    list_->push_back({distance2, id});
+    return true;
+  }
+
+ private:
+  T limit_;
+  std::vector<Neighbor<T>>* list_;
+};
+
+}  // namespace treeline::accel

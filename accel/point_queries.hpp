@@ -1,0 +1,192 @@
+// Everything a NeighborIndex says, over the two traversals that a tree of points must have:
+//   visit_near(q, visitor, work): offers leaves to the visitor, near ones first, but those beyond
+//   visitor.limit(); visit_box(box, leaf, work): calls leaf(PointLeaf) for every leaf that may hold a point
+//   of the box.
+// Checks of the input, the choice of a collector, batches and scaling are here, once for all trees.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "accel/batch.hpp"
+#include "accel/k_best.hpp"
+#include "accel/point_set.hpp"
+
+namespace treeline::accel {
+
+template <class Tree, class T, int D>
+class PointQueries {
+ public:
+  using Scalar = T;
+  static constexpr int dimension = D;
+  using Point = geometry::Vec<T, D>;
+  using Box = geometry::Box<T, D>;
+
+  // ---- one query: see NeighborIndex -------------------------------------------------------------------
+
+  std::size_t nearest(const Point& q, std::size_t k, std::span<Neighbor<T>> out) const {
+    NoWork work;
+    return nearest(q, k, out, work);
+  }
+  template <WorkCounter W>
+  std::size_t nearest(const Point& q, std::size_t k, std::span<Neighbor<T>> out, W& work) const {
+    check_k(k);
+    check_query(q, "query");
+    const std::size_t m = std::min(k, size());
+    check_room(out.size(), m);
+    find_nearest(q, out.first(m), work);
+    return m;
+  }
+  void within(const Point& q, T radius, std::vector<Neighbor<T>>& out) const {
+    NoWork work;
+    within(q, radius, out, work);
+  }
+  template <WorkCounter W>
+  void within(const Point& q, T radius, std::vector<Neighbor<T>>& out, W& work) const {
+    check_radius(radius);
+    check_query(q, "query");
+    out.clear();
+    append_within(q, radius, out, work);
+  }
+  void inside(const Box& box, std::vector<Id>& out) const {
+    NoWork work;
+    inside(box, out, work);
+  }
+  template <WorkCounter W>
+  void inside(const Box& box, std::vector<Id>& out, W& work) const {
+    check_box(box, "box");
+    out.clear();
+    append_inside(box, out, work);
+  }
+
+  // ---- batches ----------------------------------------------------------------------------------------
+
+  /// The answers of query i are out[i·k] … out[i·k + k - 1].
+  void nearest(std::span<const Point> queries, std::size_t k, std::span<Neighbor<T>> out,
+               int threads = 1) const {
+    check_k(k);
+    check_queries(queries);
+    if (out.size() / k < queries.size()) check_room(out.size(), queries.size() * k);
+    const std::size_t m = std::min(k, size());
+    parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
+      NoWork work;
+      for (std::size_t i = begin; i < end; ++i) {
+        const auto answers = out.subspan(i * k, k);
+        find_nearest(queries[i], answers.first(m), work);
+        std::ranges::fill(answers.subspan(m), Neighbor<T>{});
+      }
+    });
+  }
+  void within(std::span<const Point> queries, T radius, Lists<Neighbor<T>>& out, int threads = 1) const {
+    check_radius(radius);
+    check_queries(queries);
+    parallel_lists(queries.size(), threads, out, [&](std::size_t i, std::vector<Neighbor<T>>& list) {
+      NoWork work;
+      append_within(queries[i], radius, list, work);
+    });
+  }
+  void inside(std::span<const Box> boxes, Lists<Id>& out, int threads = 1) const {
+    for (std::size_t i = 0; i < boxes.size(); ++i) check_box(boxes[i], "box", i);
+    parallel_lists(boxes.size(), threads, out, [&](std::size_t i, std::vector<Id>& list) {
+      NoWork work;
+      append_inside(boxes[i], list, work);
+    });
+  }
+
+  // ---- what the tree tells of itself ------------------------------------------------------------------
+
+  std::size_t size() const { return set_.entries.size(); }
+  std::size_t bytes() const { return stats_.bytes; }
+  TreeStats stats() const { return stats_; }
+  /// Of the points kept; empty if there are none.
+  Box box() const { return {set_.box.low * set_.inverse_scale, set_.box.high * set_.inverse_scale}; }
+
+ protected:
+  PointQueries(std::span<const Point> points, const BuildOptions& options) : set_(points, options) {
+    stats_.primitives = stats_.references = set_.entries.size();
+    stats_.dropped = set_.dropped;
+  }
+
+  PointSet<T, D> set_;
+  TreeStats stats_;
+
+ private:
+  const Tree& tree() const { return static_cast<const Tree&>(*this); }
+
+  template <class W>
+  void find_nearest(const Point& q, std::span<Neighbor<T>> out, W& work) const {
+    if (out.empty()) return;
+    const auto collect = [&](auto best) {
+      tree().visit_near(set_.scaled(q), best, work);
+      best.finish();
+    };
+    if (out.size() <= SortedBest<T>::largest_k)
+      collect(SortedBest<T>(out));
+    else
+      collect(HeapBest<T>(out));
+    if (set_.scale != T(1))
+      for (auto& n : out) n.distance2 = set_.unscaled_square(n.distance2);
+  }
+  template <class W>
+  void append_within(const Point& q, T radius, std::vector<Neighbor<T>>& out, W& work) const {
+    if (size() == 0) return;
+    const std::size_t before = out.size();
+    const T scaled_radius = radius * set_.scale;
+    WithinRadius<T> visitor(scaled_radius * scaled_radius, out);
+    tree().visit_near(set_.scaled(q), visitor, work);
+    if (set_.scale != T(1))
+      for (std::size_t i = before; i < out.size(); ++i)
+        out[i].distance2 = set_.unscaled_square(out[i].distance2);
+  }
+  template <class W>
+  void append_inside(const Box& box, std::vector<Id>& out, W& work) const {
+    if (size() == 0) return;
+    // Clipped to the cloud's box, so that infinite sides become finite.
+    const Box b = geometry::intersection(Box{box.low * set_.scale, box.high * set_.scale}, set_.box);
+    if (b.empty()) return;
+    tree().visit_box(
+        b,
+        [&](const PointLeaf& leaf) {
+          const auto* e = set_.entries.data() + leaf.first;
+          work.primitive(leaf.coincident ? 1 : leaf.count);
+          if (leaf.coincident && !b.contains(e->point)) return;
+          for (const auto* const end = e + leaf.count; e != end; ++e)
+            if (leaf.coincident || b.contains(e->point)) out.push_back(e->id);
+        },
+        work);
+  }
+
+  // ---- refusals ---------------------------------------------------------------------------------------
+
+  static std::string numbered(const char* what, std::size_t i) {
+    return i == no_index ? what : what + (" " + std::to_string(i));
+  }
+  static void check_k(std::size_t k) {
+    if (k == 0) throw InvalidInput("k is 0; it must be at least 1");
+  }
+  static void check_radius(T radius) {
+    if (!(radius >= 0)) throw InvalidInput("radius is " + std::to_string(radius) + "; it must be at least 0");
+  }
+  static void check_room(std::size_t have, std::size_t need) {
+    if (have < need)
+      throw InvalidInput("out holds " + std::to_string(have) + " answers; it must hold " +
+                         std::to_string(need));
+  }
+  static void check_query(const Point& q, const char* what, std::size_t i = no_index) {
+    if (!geometry::is_finite(q))
+      throw InvalidInput(numbered(what, i) + " has a coordinate that is not finite");
+  }
+  static void check_queries(std::span<const Point> queries) {
+    for (std::size_t i = 0; i < queries.size(); ++i) check_query(queries[i], "query", i);
+  }
+  static void check_box(const Box& box, const char* what, std::size_t i = no_index) {
+    for (int a = 0; a < D; ++a)
+      if (std::isnan(box.low[a]) || std::isnan(box.high[a]))
+        throw InvalidInput(numbered(what, i) + " has a bound that is not a number");
+  }
+
+  static constexpr std::size_t no_index = static_cast<std::size_t>(-1);
+};
+
+}  // namespace treeline::accel

@@ -1,0 +1,74 @@
+// Cells of a tree cut by an axis-aligned plane, as convex outlines for pictures. In two dimensions the cells
+// themselves are the picture, and axis and offset are ignored.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "accel/concepts.hpp"
+
+namespace treeline::accel {
+
+using Outline = std::vector<geometry::Vec2d>;
+
+/// The part of a convex outline where normal · x <= offset (Sutherland and Hodgman 1974); may be empty.
+inline Outline clipped(const Outline& outline, const geometry::Vec2d& normal, double offset) {
+  Outline kept;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const auto& a = outline[i];
+    const auto& b = outline[(i + 1) % outline.size()];
+    const double da = dot(normal, a) - offset, db = dot(normal, b) - offset;
+    if (da <= 0) kept.push_back(a);
+    if ((da < 0 && db > 0) || (da > 0 && db < 0)) kept.push_back(a + (b - a) * (da / (da - db)));
+  }
+  return kept;
+}
+
+/// Twice the area is the sum of the cross products; positive for a counter-clockwise outline.
+inline double area(std::span<const geometry::Vec2d> outline) {
+  double twice = 0;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const auto &a = outline[i], &b = outline[(i + 1) % outline.size()];
+    twice += a[0] * b[1] - a[1] * b[0];
+  }
+  return twice / 2;
+}
+
+/// The cutting plane, and the two axes of the picture in ascending order.
+template <int D>
+struct SlicePlane {
+  static_assert(D >= 1);
+  int axis, u, v;
+  double offset;
+
+  SlicePlane(int axis_, double offset_) : axis(axis_), u(0), v(1), offset(offset_) {
+    if constexpr (D != 2 && D != 3) throw InvalidInput("slices exist in two and three dimensions only");
+    if (D == 3 && (axis < 0 || axis > 2))
+      throw InvalidInput("slice axis is " + std::to_string(axis) + "; it must be 0, 1 or 2");
+    if (D == 3 && std::isnan(offset)) throw InvalidInput("slice offset is not a number");
+    if (D == 3) u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+  }
+
+  template <class T>
+  bool cuts(const geometry::Box<T, D>& box) const {
+    if (box.empty()) return false;
+    if constexpr (D != 3) return true;
+    return static_cast<double>(box.low[axis]) <= offset && offset <= static_cast<double>(box.high[axis]);
+  }
+  /// Counter-clockwise.
+  template <class T>
+  Outline outline(const geometry::Box<T, D>& box) const {
+    const double u0 = box.low[u], u1 = box.high[u], v0 = box.low[v], v1 = box.high[v];
+    return {{u0, v0}, {u1, v0}, {u1, v1}, {u0, v1}};
+  }
+};
+
+/// Cells of a tree that keeps its primitives scaled, in the user's units again.
+inline std::vector<SliceCell> scaled(std::vector<SliceCell> cells, double factor) {
+  for (auto& cell : cells)
+    for (auto& p : cell.outline) p = p * factor;
+  return cells;
+}
+
+}  // namespace treeline::accel
