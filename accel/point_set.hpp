@@ -81,6 +81,8 @@ struct PointLeaf {
 
 template <class T, int D>
 struct PointSet {
+  static constexpr std::size_t largest_size = (std::size_t{1} << 31) - 1;  // 32 bits then number nodes, too
+
   using Point = geometry::Vec<T, D>;
   using Box = geometry::Box<T, D>;
 
@@ -92,8 +94,9 @@ struct PointSet {
   PointSet(std::span<const Point> points, const BuildOptions& options) {
     if (options.leaf_size < 1)
       throw InvalidInput("leaf_size is " + std::to_string(options.leaf_size) + "; it must be at least 1");
-    if (points.size() >= no_id)
-      throw InvalidInput(std::to_string(points.size()) + " points are more than ids");
+    if (points.size() > largest_size)
+      throw InvalidInput(std::to_string(points.size()) + " points; at most " + std::to_string(largest_size) +
+                         " can be indexed");
     entries.reserve(points.size());
     T largest = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -161,6 +164,6 @@ constexpr int free_depth(std::size_t n) {
   while (n >>= 1) ++bits;
   return 16 + 2 * bits;
 }
-static_assert(free_depth(no_id) + 33 < max_depth);
+static_assert(free_depth(no_id) + 32 < max_depth);
 
 }  // namespace treeline::accel
