@@ -29,4 +29,43 @@ constexpr T plane_bound(int dimension) {
   return gamma<T>(2 * dimension + 8);
 }
 
+/// How far a hit's point on the ray may be from its point on the triangle, along each axis, relative to the
+/// reach: the largest distance along an axis from the ray's origin to the bounds of all triangles. The ray
+/// tests themselves displace a triangle by up to 16 u of the reach (slab_padding along two axes); computing
+/// the two points takes 3 roundings of the weights, 5 of the triangle's point and 2 of the ray's. 32 covers
+/// the sum.
+template <class T>
+inline constexpr T hit_slack = T(32) * unit_roundoff<T>;
+
+/// Slack of a plane crossing in a tree's traversal, relative to the reach: hit_slack, and 4 roundings of the
+/// crossing, doubled.
+template <class T>
+inline constexpr T plane_slack = hit_slack<T> + T(8) * unit_roundoff<T>;
+
+/// Distance within which a corner counts as on an oblique plane, relative to half the diagonal of all
+/// triangles: 3 roundings of the plane's own corners, 5 of the normal, 4 of the distance, and room to find
+/// triangles of one flat wall on one plane.
+template <class T>
+inline constexpr T on_plane = T(16) * unit_roundoff<T>;
+
+/// Slack of a ray's distance from an oblique plane, relative to the reach plus half the diagonal: on_plane,
+/// sqrt(3) hit_slack = 56 u, 7 u for the origin's distance, 7 u for the travelled one, 3 u to divide.
+template <class T>
+inline constexpr T oblique_slack = T(96) * unit_roundoff<T>;
+
+/// Error of a computed closest point, relative to the largest coordinate involved: 4 roundings to find it on
+/// an edge or face, 4 for the plane distance it is compared with, doubled.
+template <class T>
+inline constexpr T closest_slack = T(16) * unit_roundoff<T>;
+
+/// A hit whose barycentric coordinates and cosine of incidence all exceed this tells for certain on which
+/// side of the triangle the ray came from: half the digits.
+template <class T>
+inline constexpr T clear_hit = std::numeric_limits<T>::digits < 30 ? T(2.5e-4) : T(1e-8);
+
+/// A point this near to a surface, relative to the largest coordinate involved, is on it: what the corners'
+/// own rounding to T leaves open, four times.
+template <class T>
+inline constexpr T on_surface = T(4) * unit_roundoff<T>;
+
 }  // namespace treeline::geometry::tolerance

@@ -1,0 +1,171 @@
+// The public queries that all trees over triangles share: checks of what is asked, batches, containment. A
+// tree derives from this (statically; nothing is virtual) and supplies two traversals:
+//   template <bool any, class W> void trace(RayQuery<Primitives>&, W&) const;
+//   template <class W> void approach(ClosestQuery<T>&, W&) const;
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "accel/batch.hpp"
+#include "accel/closest_query.hpp"
+#include "accel/concepts.hpp"
+#include "accel/ray_query.hpp"
+#include "accel/triangle_set.hpp"
+#include "accel/volume.hpp"
+
+namespace treeline::accel {
+
+template <class Tree, class Primitives>
+class TriangleQueries {
+ public:
+  using Scalar = typename Primitives::Scalar;
+  using Point = typename Primitives::Point;
+  using Box = typename Primitives::Box;
+  using Ray = typename Primitives::Ray;
+
+  Hit<Scalar> closest_hit(const Ray& ray) const {
+    NoWork work;
+    return closest_hit(ray, work);
+  }
+  template <WorkCounter W>
+  Hit<Scalar> closest_hit(const Ray& ray, W& work) const {
+    check(ray, {});
+    return cast<false>(ray, work).hit();
+  }
+  void closest_hit(std::span<const Ray> rays, std::span<Hit<Scalar>> hits, int threads) const {
+    check(rays, hits.size());
+    parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
+      NoWork work;
+      for (std::size_t i = begin; i < end; ++i) hits[i] = cast<false>(rays[i], work).hit();
+    });
+  }
+
+  bool any_hit(const Ray& ray) const {
+    NoWork work;
+    return any_hit(ray, work);
+  }
+  template <WorkCounter W>
+  bool any_hit(const Ray& ray, W& work) const {
+    check(ray, {});
+    return static_cast<bool>(cast<true>(ray, work).hit());
+  }
+  void any_hit(std::span<const Ray> rays, std::span<std::uint8_t> any, int threads) const {
+    check(rays, any.size());
+    parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
+      NoWork work;
+      for (std::size_t i = begin; i < end; ++i) any[i] = cast<true>(rays[i], work).hit() ? 1 : 0;
+    });
+  }
+
+  ClosestPoint<Scalar> closest_point(const Point& query, Scalar max_distance = infinity) const {
+    NoWork work;
+    return closest_point(query, max_distance, work);
+  }
+  template <WorkCounter W>
+  ClosestPoint<Scalar> closest_point(const Point& query, Scalar max_distance, W& work) const {
+    check(max_distance);
+    check(query, {});
+    return nearest(query, max_distance, work);
+  }
+  void closest_point(std::span<const Point> queries, Scalar max_distance, std::span<ClosestPoint<Scalar>> out,
+                     int threads) const {
+    check(max_distance);
+    check(queries, out.size());
+    parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
+      NoWork work;
+      for (std::size_t i = begin; i < end; ++i) out[i] = nearest(queries[i], max_distance, work);
+    });
+  }
+
+  bool contains(const Point& query) const {
+    check(query, {});
+    return inside(query);
+  }
+  void contains(std::span<const Point> queries, std::span<std::uint8_t> out, int threads) const {
+    check(queries, out.size());
+    parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) out[i] = inside(queries[i]) ? 1 : 0;
+    });
+  }
+
+  /// Number of triangles kept.
+  std::size_t size() const { return stats_.primitives; }
+  std::size_t bytes() const { return stats_.bytes; }
+  TreeStats stats() const { return stats_; }
+  /// Encloses all triangles; empty if there are none.
+  const Box& bounds() const { return bounds_; }
+
+ protected:
+  explicit TriangleQueries(const TriangleSet<Scalar>& set) : bounds_(set.bounds) {
+    stats_.primitives = set.items.size();
+    stats_.dropped = set.dropped;
+  }
+
+  Box bounds_;
+  TreeStats stats_;
+
+ private:
+  static constexpr Scalar infinity = std::numeric_limits<Scalar>::infinity();
+
+  const Tree& tree() const { return static_cast<const Tree&>(*this); }
+
+  template <bool any, class W>
+  RayQuery<Primitives> cast(const Ray& ray, W& work) const {
+    RayQuery<Primitives> query(ray, bounds_);
+    if (size() > 0) tree().template trace<any>(query, work);
+    return query;
+  }
+  template <class W>
+  ClosestPoint<Scalar> nearest(const Point& point, Scalar max_distance, W& work) const {
+    ClosestQuery<Scalar> query(point, max_distance, bounds_);
+    if (size() > 0) tree().approach(query, work);
+    return query.best();
+  }
+  bool inside(const Point& point) const {
+    if (!bounds_.contains(point)) return false;
+    NoWork work;
+    Scalar largest = 0;
+    for (int k = 0; k < 3; ++k)
+      largest = std::max({largest, std::abs(bounds_.low[k]), std::abs(bounds_.high[k])});
+    if (nearest(point, geometry::tolerance::on_surface<Scalar> * largest, work)) return true;
+    return votes_inside(point, [&](const Ray& ray) { return cast<false>(ray, work); });
+  }
+
+  // Checks name what is wrong and, in batches, the index of the first offender, before anything is answered.
+  static const char* fault(const Ray& ray) {
+    if (std::isnan(ray.t_min) || std::isnan(ray.t_max)) return "has a NaN in [t_min, t_max]";
+    if (!is_finite(ray.origin)) return "has an origin that is not finite";
+    if (!is_finite(ray.direction)) return "has a direction that is not finite";
+    if (ray.direction == Point{}) return "has a zero direction";
+    return nullptr;
+  }
+  static const char* fault(const Point& query) {
+    return is_finite(query) ? nullptr : "has a coordinate that is not finite";
+  }
+  static const char* name(const Ray&) { return "ray "; }
+  static const char* name(const Point&) { return "query "; }
+
+  template <class Query>
+  static void check(const Query& query, const std::string& index) requires(!std::is_arithmetic_v<Query>) {
+    if (const char* what = fault(query)) throw InvalidInput(name(query) + index + what);
+  }
+  template <class Query>
+  static void check(std::span<const Query> queries, std::size_t answers) {
+    if (queries.size() != answers)
+      throw InvalidInput(std::to_string(queries.size()) + " queries, but room for " +
+                         std::to_string(answers) + " answers");
+    for (std::size_t i = 0; i < queries.size(); ++i)
+      if (fault(queries[i])) check(queries[i], std::to_string(i) + " ");
+  }
+  static void check(Scalar max_distance) {
+    if (!(max_distance >= Scalar(0)))
+      throw InvalidInput("max_distance is " + std::to_string(max_distance) + "; it must not be negative");
+  }
+};
+
+/// A type that models every surface that concepts.hpp defines for triangles.
+template <class I>
+concept TriangleIndex = RayIndex<I> && ClosestPointIndex<I> && VolumeIndex<I> && Inspectable<I>;
+
+}  // namespace treeline::accel

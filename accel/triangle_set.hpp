@@ -1,0 +1,60 @@
+// What every tree over triangles is built from: the finite triangles of the input with their ids.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "accel/concepts.hpp"
+#include "geometry/mesh.hpp"
+
+namespace treeline::accel {
+
+/// A triangle as trees keep it: by value, beside its id in the input.
+template <class T>
+struct StoredTriangle {
+  geometry::Triangle<T> triangle;
+  Id id;
+};
+
+template <class T>
+struct TriangleSet {
+  std::vector<StoredTriangle<T>> items;
+  geometry::Box<T, 3> bounds;
+  std::size_t dropped = 0;
+
+  TriangleSet(std::span<const geometry::Triangle<T>> triangles, const BuildOptions& options) {
+    fill(triangles.size(), options, [&](std::size_t i) { return triangles[i]; });
+  }
+  TriangleSet(const geometry::Mesh<T>& mesh, const BuildOptions& options) {
+    fill(mesh.size(), options, [&](std::size_t i) {
+      for (const std::uint32_t corner : mesh.faces[i])
+        if (corner >= mesh.vertices.size())
+          throw InvalidInput("face " + std::to_string(i) + " names vertex " + std::to_string(corner) +
+                             " of " + std::to_string(mesh.vertices.size()));
+      return mesh.triangle(i);
+    });
+  }
+
+ private:
+  template <class Get>
+  void fill(std::size_t n, const BuildOptions& options, Get&& get) {
+    if (options.leaf_size < 1)
+      throw InvalidInput("leaf_size is " + std::to_string(options.leaf_size) + "; it must be at least 1");
+    if (n >= no_id) throw InvalidInput(std::to_string(n) + " triangles; ids have 32 bits");
+    items.reserve(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const geometry::Triangle<T> triangle = get(i);
+      if (is_finite(triangle)) {
+        items.push_back({triangle, static_cast<Id>(i)});
+        bounds.grow(triangle.box());
+      } else if (options.non_finite == NonFinite::refuse) {
+        throw InvalidInput("triangle " + std::to_string(i) + " has a coordinate that is not finite");
+      } else {
+        ++dropped;
+      }
+    }
+  }
+};
+
+}  // namespace treeline::accel
