@@ -1,0 +1,1 @@
+"""The report: rows in, one HTML file with charts, stability matrix, pictures and advice out."""

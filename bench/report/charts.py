@@ -1,0 +1,133 @@
+"""The charts, as Altair draws them. Each is built once and used twice: in the page, which feeds it rows by name, and
+as static SVG and PNG, which carry their own.
+
+A point's fields: i (row), method, ours, x, lo, hi (ns per query), y (pixel, from layout.py), front, slot, n,
+build (ns per element), bytes (per element), label.
+"""
+
+import altair as alt
+
+DURATION = (
+    "datum.value >= 1e9 ? format(datum.value / 1e9, '~g') + ' s' : "
+    "datum.value >= 1e6 ? format(datum.value / 1e6, '~g') + ' ms' : "
+    "datum.value >= 1e3 ? format(datum.value / 1e3, '~g') + ' µs' : format(datum.value, '~g') + ' ns'"
+)
+DIM = 0.42
+INK, FAINT = "currentColor", "#8884"
+
+
+def _scales(looks):
+    names = list(looks)
+    color = alt.Scale(domain=names, range=[looks[m].color for m in names])
+    shape = alt.Scale(domain=names, range=[looks[m].shape for m in names])
+    return color, shape
+
+
+def _pick(shown):
+    """Opacity of a mark: `shown`, unless the reader picked another method in the legend."""
+    return alt.expr(f"pick == '' || datum.method == pick ? {shown} : 0.06")
+
+
+def _points(base, looks, legend, size=44, shown="1"):
+    color, shape = _scales(looks)
+    key = alt.Legend(title=None, symbolSize=60, symbolStrokeWidth=1.6, columns=1, labelLimit=220) if legend else None
+    return base.mark_point(
+        strokeWidth=1.6, size=size, opacity=_pick(shown), fillOpacity=alt.expr("datum.ours ? 0.85 : 0")
+    ).encode(
+        stroke=alt.Stroke("method:N", scale=color, legend=key),
+        fill=alt.Fill("method:N", scale=color, legend=None),
+        shape=alt.Shape("method:N", scale=shape, legend=key),
+        tooltip=alt.Tooltip("i:Q"),
+    )  # fmt: skip
+
+
+def _pick_param():
+    return alt.param(name="pick", value="")
+
+
+def frontier_chart(data, layout, looks, element="query", error="error", legend=False, width="container"):
+    """Error against time, with the band of exact answers below and the rails of failures above."""
+    ticks = layout.ticks()
+    labels = "({" + ",".join(f"'{y:g}':'{text}'" for y, text in ticks.items()) + "})['' + datum.value]"
+    scale = alt.Scale(domain=[0, layout.height], reverse=True, nice=False, zero=False)
+    axis = alt.Axis(values=list(ticks), labelExpr=labels, labelOverlap=False, labelLimit=120, title=None, ticks=False,
+                    domain=False, gridOpacity=0.5)  # fmt: skip
+    y = alt.Y("y:Q", scale=scale, axis=axis)
+    x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, padding=14),
+              axis=alt.Axis(labelExpr=DURATION, title=f"time per {element}, log", tickCount=6, gridOpacity=0.5,
+                            labelOverlap="greedy", labelSeparation=8))  # fmt: skip
+    zones = [{"zone": name, "from": top, "to": end} for name, top, end in layout.zones()]
+    base = alt.Chart(data)
+    timed = base.transform_filter("isValid(datum.x)")
+    color, _ = _scales(looks)
+    layers = []
+    if zones:
+        layers.append(alt.Chart(alt.Data(values=zones)).mark_rect(opacity=0.10).encode(
+            y=alt.Y("from:Q", scale=scale, axis=axis), y2="to:Q",
+            color=alt.Color("zone:N", legend=None,
+                            scale=alt.Scale(domain=["failed", "exact"], range=["#D55E00", "#009E73"]))))  # fmt: skip
+        layers.append(alt.Chart(alt.Data(values=zones)).mark_text(
+            align="right", baseline="bottom", x=alt.expr("width - 5"), dy=-3, fontSize=10, fontStyle="italic", fill=INK,
+            opacity=0.7).encode(y=alt.Y("to:Q", scale=scale, axis=axis), text="zone:N"))  # fmt: skip
+    layers += [
+        timed.transform_filter("datum.front").mark_line(color=INK, strokeWidth=1.2, opacity=0.55,
+                                                        interpolate="step-after")
+        .encode(x=x, y=y, order=alt.Order("x:Q")),
+        timed.mark_rule(strokeWidth=1.6, opacity=_pick(f"datum.front ? 0.9 : {DIM}"))
+        .encode(x=alt.X("lo:Q"), x2="hi:Q", y=y, stroke=alt.Stroke("method:N", scale=color, legend=None)),
+        _points(timed, looks, legend, shown=f"datum.front ? 1 : {DIM}").encode(x=x, y=y),
+        _points(base.transform_filter("!isValid(datum.x) && isValid(datum.slot)"), looks, False)
+        .encode(x=alt.value(alt.expr("width - 7 - 13 * datum.slot")), y=y),
+    ]  # fmt: skip
+    if layout.field:
+        top, bottom, _, _ = layout.field
+        names = timed.transform_filter(f"datum.front && datum.y > {top - 1} && datum.y < {bottom + 1}")
+        layers.append(names.mark_text(align="left", dx=8, dy=-7, fontSize=10, fill=INK, opacity=_pick("0.85"))
+                      .encode(x=x, y=y, text="method:N"))  # fmt: skip
+        notes = alt.Data(values=[{"y": (top + bottom) / 2, "text": error}])
+        layers.append(alt.Chart(notes).mark_text(angle=270, fontSize=11, fill=INK, x=-56).encode(y=y, text="text:N"))
+    chart = alt.layer(*layers).resolve_scale(color="independent", stroke="shared", shape="shared")
+    chart = chart.add_params(_pick_param()).properties(width=width, height=layout.height)
+    return chart
+
+
+def lanes_chart(data, field, title, methods, looks, log, legend=False, width="container"):
+    """One figure of a build, a lane for each method."""
+    scale = alt.Scale(type="log", nice=False, padding=10) if log else alt.Scale(zero=True, nice=True)
+    labels = DURATION if field == "build" else alt.Undefined
+    axis = alt.Axis(title=title, tickCount=4, labelExpr=labels, gridOpacity=0.5, labelOverlap="greedy", labelSeparation=8)
+    base = alt.Chart(data).transform_filter(f"isValid(datum.{field})" + (f" && datum.{field} > 0" if log else ""))
+    y = alt.Y("method:N", sort=list(methods), scale=alt.Scale(domain=list(methods)),
+              axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=120))  # fmt: skip
+    chart = _points(base, looks, legend).encode(x=alt.X(f"{field}:Q", scale=scale, axis=axis), y=y)
+    return chart.add_params(_pick_param()).properties(width=width, height=alt.Step(13))
+
+
+def scaling_chart(data, looks, element, query, legend=False, width="container", height=240):
+    """The best right configuration of each method against the size, both logarithmic."""
+    color, _ = _scales(looks)
+    x = alt.X("n:Q", scale=alt.Scale(type="log", nice=False, padding=14),
+              axis=alt.Axis(title=f"{element}s, log", format="~s", tickCount=4, gridOpacity=0.5))  # fmt: skip
+    y = alt.Y("x:Q", scale=alt.Scale(type="log", nice=False, padding=10),
+              axis=alt.Axis(title=f"time per {query}, log", labelExpr=DURATION, tickCount=5, gridOpacity=0.5,
+                            labelOverlap="greedy", labelSeparation=8))  # fmt: skip
+    base = alt.Chart(data)
+    line = base.mark_line(strokeWidth=1.4, opacity=_pick("0.8")).encode(
+        x=x, y=y, stroke=alt.Stroke("method:N", scale=color, legend=None))  # fmt: skip
+    rule = base.mark_rule(strokeWidth=1.4, opacity=_pick("0.8")).encode(
+        x=x, y=alt.Y("lo:Q"), y2="hi:Q", stroke=alt.Stroke("method:N", scale=color, legend=None))  # fmt: skip
+    dots = _points(base, looks, legend).encode(x=x, y=y)
+    chart = alt.layer(line, rule, dots).add_params(_pick_param())
+    return chart.properties(width=width, height=height)
+
+
+def theme(chart):
+    """Text and grid that read on light and dark alike."""
+    return (
+        chart.configure(background="transparent", font="system-ui, sans-serif")
+        .configure_view(stroke=FAINT)
+        .configure_axis(labelColor=INK, titleColor=INK, gridColor=FAINT, domainColor=FAINT, tickColor=FAINT,
+                        labelFontSize=10, titleFontSize=11, titleFontWeight="normal")
+        .configure_legend(labelColor=INK, titleColor=INK)
+        .configure_title(color=INK, anchor="start", fontSize=13)
+    )  # fmt: skip

@@ -1,0 +1,54 @@
+"""The frontier: the rows that no other row of their group beats in both time and error."""
+
+from collections import defaultdict
+
+
+def shown_error(row):
+    """The error as charted: 0 means exact, as far as the truth can tell. None where none was measured."""
+    if row.error is None:
+        return None
+    return 0.0 if abs(row.error) <= (row.error_floor or 0.0) else abs(row.error)
+
+
+def charted(row):
+    """Has a place in the chart's field, rather than on the rail of failures."""
+    return row.status == "ok" and row.query_ns is not None and row.error is not None
+
+
+def beats(a, b):
+    """a is no worse than b in time and error, and better in one."""
+    ta, tb, ea, eb = a.query_ns, b.query_ns, shown_error(a), shown_error(b)
+    return ta <= tb and ea <= eb and (ta < tb or ea < eb)
+
+
+def frontier(rows):
+    """Of rows of one group: those on the frontier, from the fastest to the most accurate."""
+    best, line = float("inf"), []
+    for row in sorted(filter(charted, rows), key=lambda r: (r.query_ns, shown_error(r))):
+        if shown_error(row) < best or (line and not beats(line[-1], row)):  # the second: an exact tie
+            best = shown_error(row)
+            line.append(row)
+    return line
+
+
+def groups(rows):
+    """Rows by group, in order of appearance."""
+    by_group = defaultdict(list)
+    for row in rows:
+        by_group[row.group].append(row)
+    return by_group
+
+
+# What single precision leaves of an error on average. Whoever stays below it competes as right: a peer that only
+# claims to be approximate, but loses one ray in a million, must not be kept out of the race for it.
+RIGHT = 1e-6
+
+
+def right(row):
+    """Answers its queries right, but for rounding."""
+    return charted(row) and (row.claim == "exact" or shown_error(row) <= RIGHT)
+
+
+def fastest_exact(rows):
+    """Of rows of one group: the fastest right one, or None."""
+    return min(filter(right, rows), key=lambda r: r.query_ns, default=None)

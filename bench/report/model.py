@@ -1,0 +1,108 @@
+"""The data that the page carries: every row once, compact, and the specification of every chart."""
+
+from bench.report import charts, tasks
+from bench.report.layout import Layout, marks
+from bench.report.palette import looks
+from bench.report.rows import knob_text
+from bench.report.units import figure
+
+TEXT = ("task", "dataset", "set", "method", "build", "query", "status", "reason", "claim", "source", "version", "extra")
+COLUMNS = TEXT + (
+    "size", "n", "run", "threads", "ns", "lo", "hi", "cpu", "reps", "build_s", "bytes", "error", "error_max",
+    "error_p99", "error_mean", "bias", "floor", "nodes", "primitives", "front", "best", "y", "slot",
+)  # fmt: skip
+
+
+class TaskModel:
+    """One task's rows with what its charts share."""
+
+    def __init__(self, name, rows):
+        self.name, self.text = name, tasks.text(name)
+        self.rows = rows
+        self.soft = [r for r in rows if not r.hard]
+        self.looks = looks(rows)
+        self.datasets = list(dict.fromkeys(r.dataset for r in self.soft))
+        self.query_sets = list(dict.fromkeys(r.query_set for r in self.soft if r.query_set))
+        self.sizes = sorted({r.size for r in self.soft})
+        self.runs = sorted({r.run for r in self.soft})
+        self.threads = sorted({r.threads for r in self.soft if r.threads is not None})
+        self.layouts = {d: Layout(self.of(d), self.looks) for d in self.datasets}
+
+    def of(self, dataset):
+        return [r for r in self.soft if r.dataset == dataset]
+
+    def methods(self, dataset, figure):
+        return [m for m in self.looks if any(r.method == m and getattr(r, figure) for r in self.of(dataset))]
+
+
+def task_models(rows):
+    return [TaskModel(t, [r for r in rows if r.task == t]) for t in dict.fromkeys(r.task for r in rows)]
+
+
+def chart_list(task):
+    """(id, kind, dataset, chart fed by name) for every chart of a task that has data."""
+    data, text = charts.alt.NamedData("points"), task.text
+    for k, dataset in enumerate(task.datasets):
+        rows = task.of(dataset)
+        layout = task.layouts[dataset]
+        if any(layout.y(r) is not None for r in rows):
+            chart = charts.frontier_chart(data, layout, task.looks, text.query, text.error)
+            yield f"{task.name}-{k}-frontier", "frontier", dataset, chart
+        if methods := task.methods(dataset, "build_s"):
+            chart = charts.lanes_chart(data, "build", f"build time per {text.element}, log", methods, task.looks, True)
+            yield f"{task.name}-{k}-build", "build", dataset, chart
+        if methods := task.methods(dataset, "bytes"):
+            chart = charts.lanes_chart(data, "bytes", f"bytes per {text.element}", methods, task.looks, False)
+            yield f"{task.name}-{k}-bytes", "bytes", dataset, chart
+        if len({r.size for r in rows if r.query_ns is not None}) > 1:
+            chart = charts.scaling_chart(data, task.looks, text.element, text.query)
+            yield f"{task.name}-{k}-scaling", "scaling", dataset, chart
+
+
+def work(row):
+    """(nodes, primitives) per query; rows write them as an object, a list or two fields."""
+    value = row.values.get("work")
+    if isinstance(value, dict):
+        return value.get("nodes"), value.get("primitives")
+    if isinstance(value, list) and len(value) == 2:
+        return tuple(value)
+    return row.values.get("work_nodes"), row.values.get("work_primitives")
+
+
+def extra_text(row):
+    """The task's own figures: "recall 0.99, missing 0.01"."""
+    shown = ((k.removeprefix(row.task + "_").replace("_", " "), v) for k, v in row.extra.items() if v is not None)
+    return ", ".join(f"{k} {figure(v) if isinstance(v, (int, float)) else v}" for k, v in shown)
+
+
+def table(models):
+    """Every row of the charts, as lists in the order of COLUMNS; texts are indices into `strings`."""
+    strings, lines = {}, []
+    for task in models:
+        front, best, slots = marks(task.soft)
+        for r in task.soft:
+            nodes, primitives = work(r)
+            texts = (r.task, r.dataset, r.query_set or "", r.method, knob_text(r.build_knobs), knob_text(r.query_knobs),
+                     r.status, r.reason or "", r.claim, r.source, r.peer_version or "", extra_text(r))  # fmt: skip
+            lines.append([strings.setdefault(t, len(strings)) for t in texts] + [
+                r.size, r.n, r.run, r.threads, r.query_ns, r.query_ns_low, r.query_ns_high, r.query_cpu_ns,
+                len(r.samples or ()), r.build_s, r.bytes, r.error, r.error_max, r.error_p99, r.error_mean, r.bias,
+                r.error_floor, nodes, primitives, int(id(r) in front), int(id(r) in best),
+                task.layouts[r.dataset].y(r), slots.get(id(r)),
+            ])  # fmt: skip
+    return {"columns": COLUMNS, "text_columns": len(TEXT), "strings": list(strings), "rows": lines}
+
+
+def points(task, rows):
+    """The points of some rows, as the charts read them; page/data.js does the same."""
+    front, best, slots = marks(task.soft)
+    for i, r in enumerate(rows):
+        yield {
+            "i": i, "method": r.method, "ours": r.source == "ours", "x": r.query_ns,
+            "lo": r.query_ns if r.query_ns_low is None else r.query_ns_low,
+            "hi": r.query_ns if r.query_ns_high is None else r.query_ns_high,
+            "y": task.layouts[r.dataset].y(r), "front": id(r) in front, "best": id(r) in best,
+            "slot": slots.get(id(r)), "n": r.n,
+            "build": r.build_s * 1e9 / r.n if r.build_s is not None and r.n else None,
+            "bytes": r.bytes / r.n if r.bytes is not None and r.n else None,
+        }  # fmt: skip

@@ -1,0 +1,160 @@
+"""Puts the page together: one HTML file that needs nothing beside it."""
+
+import json
+from pathlib import Path
+
+import vl_convert
+from jinja2 import Environment
+
+from bench.report import charts, model, pieces
+from bench.report.pieces import esc
+from bench.report.units import count
+
+PARTS = Path(__file__).parent / "page"
+SCRIPTS = ("data.js", "charts.js", "advice.js", "page.js")
+CARD = {"frontier": "Error against time", "build": "Build time", "bytes": "Memory", "scaling": "Time against size"}
+
+
+def build(rows, pictures, title="Treeline: speed against accuracy"):
+    """The whole page as text."""
+    models = model.task_models(rows)
+    data, sections, nav = {"tasks": {}, "charts": []}, [], []
+    for task in models:
+        listed = list(model.chart_list(task))
+        for name, kind, dataset, chart in listed:
+            spec = charts.theme(chart).to_dict()
+            data["charts"].append({"id": name, "kind": kind, "task": task.name, "dataset": dataset, "spec": spec})
+        data["tasks"][task.name] = {"element": task.text.element, "queryWord": task.text.query,
+                                    "runs": task.runs or [0], "threads": task.threads or [None]}  # fmt: skip
+        mine = [p for p in pictures if p.task == task.name]
+        sections.append(_section(task, rows, listed, mine))
+        nav.append(_nav(task, mine))
+    others = [p for p in pictures if p.task not in data["tasks"]]
+    if others:
+        sections.append(f'<section id="pictures"><h2>Pictures</h2>{pieces.gallery(others)}</section>')
+        nav.append('<a class="task" href="#pictures">Pictures</a>')
+    data["table"] = model.table(models)
+    return Environment(autoescape=False).from_string(_part("page.html")).render(
+        title=esc(title), css=_part("page.css"), errors_js=_part("errors.js"), nav="".join(nav),
+        head=_head(rows), body="".join(sections), model=_json(data), bundle=_safe(vl_convert.javascript_bundle()),
+        js=_safe("\n".join(_part(s) for s in SCRIPTS)))  # fmt: skip
+
+
+def _part(name):
+    return (PARTS / name).read_text()
+
+
+def _json(value):
+    """JSON that may stand inside a script element."""
+    text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c")
+
+
+def _safe(script):
+    return script.replace("</script", "<\\/script")
+
+
+def _nav(task, pictures):
+    name = task.name
+    links = [f'<a class="task" href="#{name}">{esc(task.text.title)}</a>', f'<a href="#{name}-winners">Winners</a>']
+    links += [f'<a class="sub" href="#{name}-{k}">{esc(d)}</a>' for k, d in enumerate(task.datasets)]
+    if task.datasets:
+        links.append(f'<a href="#{name}-advice">Advice</a>')
+    if any(r.hard for r in task.rows):
+        links.append(f'<a href="#{name}-stability">Stability</a>')
+    if pictures:
+        links.append(f'<a href="#{name}-pictures">Pictures</a>')
+    return "".join(links)
+
+
+def _head(rows):
+    """What was measured, on what, and with whose versions."""
+    tasks = ", ".join(dict.fromkeys(r.task for r in rows))
+    parts = [f"<p>{len(rows):,} cells of the tasks {esc(tasks)}.</p>"]
+    lines = []
+    for k, run in enumerate(rows.runs):
+        mine = [r for r in rows if r.run == k]
+        times = sorted(t for r in mine if (t := r.values.get("time")))
+        span = f"{times[0]} to {times[-1]}" if times else "time not recorded"
+        cells = (run["cpu"], run["host"], run["isa"], run["compiler"], run["commit"], run["seed"], span, f"{len(mine):,}")
+        lines.append("<tr>" + "".join(f"<td>{esc(str(c if c is not None else '–'))}</td>" for c in cells) + "</tr>")
+    heads = ("CPU", "machine", "ISA", "compiler", "commit", "seed", "measured", "rows")
+    parts.append('<div class="scroll"><table class="plain"><thead><tr>' + "".join(f"<th>{h}</th>" for h in heads)
+                 + f'</tr></thead><tbody>{"".join(lines)}</tbody></table></div>')  # fmt: skip
+    versions = {(r.method, r.peer_version) for r in rows if r.source == "peer" and r.peer_version}
+    if versions:
+        parts.append("<p><b>Peers:</b> " + esc(", ".join(f"{m} {v}" for m, v in sorted(versions))) + ".</p>")
+    if flags := sorted({r.flags for r in rows if r.flags}):
+        parts.append("<p><b>Flags of our programs:</b> " + " | ".join(f"<code>{esc(f)}</code>" for f in flags) + "</p>")
+    if rows.warnings:
+        items = "".join(f"<li>{esc(w)}</li>" for w in rows.warnings[:20])
+        more = f"<li>and {len(rows.warnings) - 20} more</li>" if len(rows.warnings) > 20 else ""
+        parts.append(f'<details class="warning"><summary>{len(rows.warnings)} warnings about the rows</summary><ul>'
+                     f"{items}{more}</ul></details>")  # fmt: skip
+    parts.append(READING)
+    return "".join(parts)
+
+
+READING = """<details><summary>How to read a chart</summary><ul>
+<li>Left is faster, down is more accurate; both axes are logarithmic. One mark is one configuration of one method.
+The line is the <b>frontier</b>: no other configuration is both faster and more accurate. Marks off the frontier are
+dim.</li>
+<li>Answers without any error that the truth could tell stand in the <b>exact</b> band below, a lane for each method.
+Configurations that broke stand on a rail of their own on top; one that never got to a time stands at its right
+end.</li>
+<li>A mark's horizontal line is the interval of the repetitions, the mark their median. Where two intervals overlap, do
+not call a winner.</li>
+<li>Point at a mark for its knobs and all its figures; point at a method in the legend to see it alone. Ours are filled,
+peers hollow; colour and shape both tell the method.</li>
+<li>Times are compared within one run on one machine only.</li></ul></details>"""
+
+
+def _section(task, rows, listed, pictures):
+    name, text = task.name, task.text
+    blocks = [f'<section id="{name}"><h2>{esc(text.title)}</h2>', f"<p>{esc(text.question)}</p>" if text.question else ""]
+    tables = "".join((f"<h4>{esc(_run_name(rows, r))}</h4>" if len(task.runs) > 1 else "") + pieces.winners_table(task, r)
+                     for r in task.runs)  # fmt: skip
+    if tables:
+        blocks.append(f'<h3 id="{name}-winners">Winners</h3>{tables}')
+    if task.datasets:
+        blocks.append(_toolbar(task, rows))
+        by_dataset = {d: [(n, k) for n, k, of, _ in listed if of == d] for d in task.datasets}
+        blocks += [_card(task, k, d, by_dataset[d]) for k, d in enumerate(task.datasets)]
+        blocks.append(f'<h3 id="{name}-advice">Advice: the least that meets a tolerance</h3><p class="note">The cheapest '
+                      "configuration whose every stated error is within the tolerance, at the size, run and threads "
+                      "chosen above; and the rung below it with the first limit that it breaks. The slider moves with "
+                      f"the arrow keys, too.</p>{pieces.advice(task)}")  # fmt: skip
+    if matrix := pieces.matrix_table(task):
+        blocks.append(f'<h3 id="{name}-stability">Stability: the hard cases</h3>{matrix}')
+    if pictures:
+        blocks.append(f'<h3 id="{name}-pictures">Pictures</h3>{pieces.gallery(pictures)}')
+    return "".join(blocks) + "</section>"
+
+
+def _run_name(rows, k):
+    run = rows.runs[k]
+    varying = [f for f, v in run.items() if any(other[f] != v for other in rows.runs)]
+    return ", ".join(f"{f} {run[f]}" for f in varying) or f"run {k + 1}"
+
+
+def _toolbar(task, rows):
+    sets = [pieces.option(s, s) for s in task.query_sets]
+    sizes = [pieces.option("largest", "largest")] + [pieces.option(s, count(s)) for s in task.sizes]
+    runs = [pieces.option(r, _run_name(rows, r)) for r in task.runs]
+    threads = [pieces.option(t, t) for t in task.threads]
+    name = task.name
+    return (f'<div class="toolbar"><div class="choices" data-task="{name}">'
+            + pieces.select(name, "set", "Query set", sets)
+            + (pieces.select(name, "size", "Size", sizes) if len(task.sizes) > 1 else "")
+            + (pieces.select(name, "run", "Run", runs) if len(runs) > 1 else "")
+            + (pieces.select(name, "threads", "Threads", threads) if len(threads) > 1 else "")
+            + f"</div>{pieces.legend(task)}</div>")  # fmt: skip
+
+
+def _card(task, k, dataset, listed):
+    boxes = "".join(f'<div class="chart {kind}"><h4>{CARD[kind]}</h4><div id="{name}" class="plot"></div></div>'
+                    for name, kind in listed)  # fmt: skip
+    return (f'<article class="card" id="{task.name}-{k}" data-task="{task.name}" data-dataset="{esc(dataset)}">'
+            f'<h3>{esc(dataset)} <small class="size"></small></h3><div class="grid">{boxes}</div>'
+            '<p class="absent"></p><details><summary>Table of all figures</summary><div class="scroll figures"></div>'
+            "</details></article>")  # fmt: skip

@@ -1,0 +1,78 @@
+// The advice: the cheapest configuration that meets the tolerance on every stated metric; ../advice.py says the same.
+"use strict";
+const METRICS = ["error", "error_p99", "error_mean", "bias", "error_max"];
+const METRIC_NAMES = { error: "error", error_p99: "99 % quantile", error_mean: "mean error", bias: "bias", error_max: "worst error" };
+
+/// Slider position 0 is exact; then ten steps a decade from 1e-12 to 1.
+const toleranceAt = (position) => (position === 0 ? 0 : Number(Math.pow(10, -12 + (position - 1) / 10).toPrecision(3)));
+
+function rungs(list, sets) {
+  const found = new Map();
+  for (const r of list) {
+    if (!sets.includes(r.set) || r.ns === null) continue;
+    const key = [r.method, r.build, r.query].join("|");
+    if (!found.has(key)) found.set(key, { method: r.method, build: r.build, query: r.query, cells: new Map() });
+    found.get(key).cells.set(r.set, r);
+  }
+  const ladder = [];
+  for (const rung of found.values()) {
+    const cells = [...rung.cells.values()];
+    if (cells.length < sets.length) continue;
+    rung.cost = Math.exp(cells.reduce((sum, c) => sum + Math.log(c.ns), 0) / cells.length);
+    rung.errors = {};
+    for (const m of METRICS) {
+      const values = cells.filter((c) => c[m] !== null).map((c) => (Math.abs(c[m]) <= (c.floor || 0) ? 0 : Math.abs(c[m])));
+      if (values.length) rung.errors[m] = Math.max(...values);
+    }
+    const bad = cells.find((c) => c.status !== "ok");
+    rung.broken = bad ? bad.status : "error" in rung.errors ? "" : "unjudged";
+    ladder.push(rung);
+  }
+  return ladder.sort((a, b) => a.cost - b.cost);
+}
+
+function limitOf(rung, tolerance) {
+  if (rung.broken) return { name: rung.broken.replace(/_/g, " "), figure: null };
+  for (const m of METRICS) if (rung.errors[m] > tolerance) return { name: METRIC_NAMES[m], figure: rung.errors[m] };
+  return null;
+}
+
+const rungName = (r) => r.method + ([r.build, r.query].filter(Boolean).length ? ` (${[r.build, r.query].filter(Boolean).join("; ")})` : "");
+const limitText = (limit, tolerance) =>
+  limit.figure === null ? limit.name : `${limit.name} ${figure(limit.figure)}, above ${tolerance === 0 ? "exact" : figure(tolerance)}`;
+
+function updateAdvice(box) {
+  const task = box.dataset.task;
+  const get = (name) => box.querySelector(`[name="${name}"]`);
+  const tolerance = toleranceAt(Number(get("tolerance").value));
+  const words = tolerance === 0 ? "exact" : figure(tolerance);
+  get("tolerance").setAttribute("aria-valuetext", words);
+  box.querySelector(".value").textContent = words;
+  const c = choice(task);
+  const list = chosen(task, get("dataset").value, c, false, true);
+  const measured = [...new Set(list.filter((r) => r.ns !== null).map((r) => r.set))];
+  const sets = get("set").value === "*" ? measured : [get("set").value];
+  const ladder = rungs(list, sets);
+  const at = ladder.findIndex((r) => limitOf(r, tolerance) === null);
+  const out = box.querySelector(".answer");
+  if (at < 0) {
+    out.innerHTML = ladder.length
+      ? `<p class="take">No configuration that was measured here meets ${words}.</p>` : '<p class="take">Nothing was measured here.</p>';
+  } else {
+    const best = ladder[at], below = ladder[at - 1];
+    const errors = METRICS.filter((m) => m in best.errors).map((m) => `${METRIC_NAMES[m]} ${figure(best.errors[m])}`).join(", ");
+    out.innerHTML =
+      `<p class="take">Take <b>${escapeHtml(rungName(best))}</b>: ${duration(best.cost)} per ${model.tasks[task].queryWord}` +
+      `${sets.length > 1 ? ` (geometric mean of ${sets.length} query sets)` : ""}; ${errors}.</p>` +
+      `<p class="below">` + (below
+        ? `The rung below, ${escapeHtml(rungName(below))} at ${duration(below.cost)}, breaks: ${escapeHtml(limitText(limitOf(below, tolerance), tolerance))}.`
+        : "There is no rung below: this is the cheapest that was measured.") + "</p>";
+  }
+  const near = ladder.slice(Math.max(0, at - 4), (at < 0 ? ladder.length : at) + 4).slice(0, 8);
+  box.querySelector(".rungs").innerHTML = near.map((r) => {
+    const limit = limitOf(r, tolerance);
+    const mark = r === ladder[at] ? ' class="taken"' : limit ? ' class="broken"' : "";
+    return `<tr${mark}><td>${limit ? "✗" : "✓"}</td><td>${escapeHtml(rungName(r))}</td><td>${duration(r.cost)}</td>` +
+      `<td>${limit ? escapeHtml(limitText(limit, tolerance)) : r === ladder[at] ? "the cheapest that holds" : "holds, but costs more"}</td></tr>`;
+  }).join("");
+}

@@ -1,0 +1,80 @@
+// The rows, made whole again from the compact table, and the choice of what is shown.
+"use strict";
+const model = JSON.parse(document.getElementById("model").textContent);
+const rows = model.table.rows.map((line, i) => {
+  const row = { i };
+  model.table.columns.forEach((name, c) => {
+    row[name] = c < model.table.text_columns ? model.table.strings[line[c]] : line[c];
+  });
+  return row;
+});
+const byDataset = new Map();
+for (const row of rows) {
+  const key = row.task + "/" + row.dataset;
+  if (!byDataset.has(key)) byDataset.set(key, []);
+  byDataset.get(key).push(row);
+}
+const rowsOf = (task, dataset) => byDataset.get(task + "/" + dataset) || [];
+
+/// What the reader chose for a task: query set, size ("largest" or a number), run, threads.
+function choice(task) {
+  const value = (name) => {
+    const input = document.getElementById(task + "-" + name);
+    return input ? input.value : null;
+  };
+  const number = (name, first) => (value(name) === null ? first : Number(value(name)));
+  const t = model.tasks[task];
+  return {
+    set: value("set"),
+    size: value("size") === "largest" || value("size") === null ? null : Number(value("size")),
+    run: number("run", t.runs[0]),
+    threads: number("threads", t.threads[0]),
+  };
+}
+
+/// Rows of a dataset under a choice; `sizes` keeps every size.
+function chosen(task, dataset, c, sizes = false, sets = false) {
+  const mine = rowsOf(task, dataset).filter((r) => r.run === c.run && (r.threads === c.threads || r.threads === null));
+  const size = c.size === null ? Math.max(...mine.map((r) => r.size)) : c.size;
+  return mine.filter((r) => (sizes || r.size === size) && (sets || r.set === c.set || r.set === ""));
+}
+
+function point(r) {
+  return {
+    i: r.i, method: r.method, ours: r.source === "ours", x: r.ns,
+    lo: r.lo === null ? r.ns : r.lo, hi: r.hi === null ? r.ns : r.hi,
+    y: r.y, front: !!r.front, best: !!r.best, slot: r.slot, n: r.n,
+    build: r.build_s === null || !r.n ? null : (r.build_s * 1e9) / r.n,
+    bytes: r.bytes === null || !r.n ? null : r.bytes / r.n,
+  };
+}
+
+function firstOf(list, key) {
+  const seen = new Map();
+  for (const item of list) if (!seen.has(key(item))) seen.set(key(item), item);
+  return [...seen.values()];
+}
+
+/// The points that one kind of chart shows.
+const chartRows = {
+  frontier: (task, dataset, c) => chosen(task, dataset, c).filter((r) => r.y !== null),
+  build: (task, dataset, c) =>
+    firstOf(chosen(task, dataset, c, false, true).filter((r) => r.build_s !== null), (r) => r.method + "|" + r.build),
+  bytes: (task, dataset, c) =>
+    firstOf(chosen(task, dataset, c, false, true).filter((r) => r.bytes !== null), (r) => r.method + "|" + r.build),
+  scaling: (task, dataset, c) => chosen(task, dataset, c, true).filter((r) => r.best),
+};
+
+const figure = (v) => {
+  if (v === null || v === undefined) return "–";
+  if (v === 0) return "0";
+  const a = Math.abs(v);
+  if (a >= 1e-3 && a < 1e5) return a < 1000 ? String(Number(v.toPrecision(3))) : Math.round(v).toLocaleString("en");
+  return v.toExponential(1).replace("e+", "e").replace(".0e", "e");
+};
+const duration = (ns) => {
+  if (ns === null) return "–";
+  for (const [unit, scale] of [["s", 1e9], ["ms", 1e6], ["µs", 1e3]]) if (ns >= scale) return figure(ns / scale) + " " + unit;
+  return figure(ns) + " ns";
+};
+const escapeHtml = (s) => String(s).replace(/[&<>"']/g, (c) => "&#" + c.charCodeAt(0) + ";");

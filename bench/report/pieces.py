@@ -1,0 +1,131 @@
+"""Small pieces of HTML. Every text that comes from a row passes through esc()."""
+
+from html import escape as esc
+
+from bench.report import palette, stability
+from bench.report.units import count, duration
+from bench.report.winners import largest, mean_ratio, winners
+
+
+def glyph(look, size=13):
+    """A method's mark, as the charts draw it."""
+    fill = look.color if look.filled else "none"
+    return (f'<svg class="glyph" viewBox="-1.35 -1.35 2.7 2.7" width="{size}" height="{size}" aria-hidden="true">'
+            f'<path d="{palette.SHAPES[look.shape]}" fill="{fill}" stroke="{look.color}" stroke-width="0.34"/></svg>')  # fmt: skip
+
+
+def option(value, text, chosen=False):
+    return f'<option value="{esc(str(value))}"{" selected" if chosen else ""}>{esc(str(text))}</option>'
+
+
+def select(task, name, label, options):
+    return (f'<label>{label} <select id="{task}-{name}" autocomplete="off">{"".join(options)}</select></label>'
+            if options else "")  # fmt: skip
+
+
+def legend(task):
+    """All methods with their marks; pointing at one shows it alone."""
+    parts = []
+    for source, words in (("ours", "Ours (filled)"), ("peer", "Peers (hollow)")):
+        looks = [look for look in task.looks.values() if look.source == source]
+        if looks:
+            chips = "".join(
+                f'<button type="button" data-method="{esc(look.method)}" aria-pressed="false">'
+                f"{glyph(look)} {esc(look.method)}</button>" for look in looks)  # fmt: skip
+            parts.append(f'<span class="group"><b>{words}</b>{chips}</span>')
+    return f'<div class="legend" data-task="{task.name}">{"".join(parts)}</div>'
+
+
+def winners_table(task, run):
+    """Dataset × query set: the fastest right method, and ours beside the best peer."""
+    found = [w for w in largest(winners(task.soft)) if w.run == run]
+    if not found:
+        return ""
+    threads = min(w.threads or 1 for w in found)
+    cells = {(w.dataset, w.query_set): w for w in found if (w.threads or 1) == threads}
+    sets = [s for s in task.query_sets if any((d, s) in cells for d in task.datasets)]
+    head = "".join(f"<th scope=col>{esc(s)}</th>" for s in sets)
+    lines = []
+    for k, dataset in enumerate(task.datasets):
+        of_dataset = [cells.get((dataset, s)) for s in sets]
+        if any(of_dataset):
+            size = next(w.size for w in of_dataset if w)
+            row = "".join(_winner(task, k, s, w) for s, w in zip(sets, of_dataset))
+            lines.append(f'<tr><th scope=row><a href="#{task.name}-{k}">{esc(dataset)}</a> <small>{count(size)}</small>'
+                         f"</th>{row}</tr>")  # fmt: skip
+    mean = mean_ratio(found)
+    foot = f"Geometric mean of the ratios: ours runs at <b>{mean:.2f}×</b> the speed of the best peer. " if mean else ""
+    return (f'<div class="scroll"><table class="winners"><thead><tr><th scope=col>dataset</th>{head}</tr></thead>'
+            f'<tbody>{"".join(lines)}</tbody></table></div><p class="note">{foot}Each cell: the fastest right method at '
+            "the largest size, and how many times faster our best is than the best peer in the same run; ~ where the "
+            "intervals of the repetitions overlap. Right is a mean error of at most 1e-6, which is what single precision "
+            "leaves, and no broken claim.</p>")  # fmt: skip
+
+
+def _winner(task, k, query_set, w):
+    if w is None:
+        return "<td>–</td>"
+    best = w.best
+    if w.ratio is None:
+        note, kind = "no peer right" if w.ours else "ours not right", "ours" if w.ours else "peer"
+    else:
+        note = f"{w.ratio:.2f}×{'' if w.clear else ' ~'}"
+        kind = "even" if not w.clear else "ours" if w.ratio > 1 else "peer"
+    return (f'<td class="{kind}"><a href="#{task.name}-{k}" data-task="{task.name}" data-set="{esc(query_set or "")}">'
+            f"{glyph(task.looks[best.method])} {esc(best.method)}</a><br>{duration(best.query_ns)} "
+            f"<small>{note}</small></td>")  # fmt: skip
+
+
+def matrix_table(task):
+    """Hard case × method."""
+    cases, methods, cells = stability.matrix(task.rows, task.looks)
+    if not cases:
+        return ""
+    head = "".join(f'<th scope=col><span>{esc(m)}</span>{glyph(task.looks[m])}</th>' for m in methods)
+    lines = []
+    for case in cases:
+        line = "".join(_cell(cells.get((case, m))) for m in methods)
+        lines.append(f"<tr><th scope=row>{esc(case)}</th>{line}</tr>")
+    totals = []
+    for m in methods:
+        mine = [cells[c, m] for c in cases if (c, m) in cells]
+        bad = sum(c.status in ("crashed", "timeout", "out_of_memory", "wrong") for c in mine)
+        totals.append(f'<td class="{"st-wrong" if bad else "st-ok"}">{bad}</td>')
+    key = " ".join(f'<span><i class="st-{s}">{stability.LETTERS[s]}</i> {w}</span>' for s, w in stability.WORDS.items())
+    name = f"{task.name}-matrix"
+    return (f'<p class="key">{key}</p><div class="scroll"><table class="matrix" id="{name}"><thead><tr><th></th>{head}'
+            f'</tr></thead><tbody>{"".join(lines)}</tbody><tfoot><tr><th scope=row>broken cases</th>{"".join(totals)}'
+            f'</tr></tfoot></table></div><p class="line" id="{name}-line" aria-live="polite">Point at a cell, or move '
+            "with the arrow keys, to read what happened there.</p>")  # fmt: skip
+
+
+def _cell(cell):
+    if cell is None:
+        return "<td></td>"
+    return (f'<td class="st-{cell.status}" data-detail="{esc(cell.detail)}" aria-label="{esc(cell.detail)}">'
+            f"{cell.letter}<small>{esc(cell.error)}</small></td>")  # fmt: skip
+
+
+def gallery(pictures):
+    """Figures by kind."""
+    parts = []
+    for kind in dict.fromkeys(p.kind for p in pictures):
+        figures = "".join(
+            f'<figure><img src="{p.uri}" alt="{esc(p.title)}" loading="lazy"><figcaption><b>{esc(p.title)}</b> '
+            f'<small>{esc(", ".join(filter(None, (p.dataset, p.method))))}</small>'
+            f'{"<br>" + esc(p.caption) if p.caption else ""}</figcaption></figure>'
+            for p in pictures if p.kind == kind)  # fmt: skip
+        parts.append(f"<h4>{esc(kind.replace('_', ' '))}</h4><div class=gallery>{figures}</div>")
+    return "".join(parts)
+
+
+def advice(task):
+    datasets = "".join(option(d, d) for d in task.datasets)
+    sets = option("*", "all that were measured") + "".join(option(s, s) for s in task.query_sets)
+    return (f'<div class="advice" data-task="{task.name}"><div class="controls"><label>dataset <select name="dataset" '
+            f'autocomplete="off">{datasets}</select></label><label>query sets <select name="set" autocomplete="off">'
+            f'{sets}</select></label><label class="slide">tolerance <input type="range" name="tolerance" min="0" '
+            f'max="121" value="81" autocomplete="off"><output class="value"></output></label></div>'
+            '<div class="answer" aria-live="polite"></div>'
+            '<div class="scroll"><table class="plain"><thead><tr><th></th><th>rung</th><th>cost</th><th>verdict</th></tr>'
+            '</thead><tbody class="rungs"></tbody></table></div></div>')  # fmt: skip
