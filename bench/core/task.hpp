@@ -41,7 +41,7 @@ struct MethodInfo {
   std::string family;  // brute, kd, bsp, bvh, octree, forest
   Source source = Source::ours;
   Claim claim = Claim::exact;
-  std::string peer_version;
+  std::string peer_version{};  // empty: null
   std::vector<Knobs> build_knobs{Knobs::object()};
   std::vector<Knobs> query_knobs{Knobs::object()};  // swept on one build
   int ladder = 0;                    // order from the least model to the richest, for advice at equal cost
