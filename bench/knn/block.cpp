@@ -1,0 +1,237 @@
+#include "bench/knn/block.hpp"
+
+#include <bit>
+#include <new>
+#include <thread>
+
+#include "bench/core/truth_cache.hpp"
+#include "bench/knn/metric.hpp"
+#include "bench/knn/questions.hpp"
+#include "geometry/random.hpp"
+
+namespace treeline::bench::knn {
+namespace {
+
+using Kind = Questions::Kind;
+
+// An index with its latest answers. Where refusing is not allowed, a refusal is kept and judged like an
+// answer.
+class KnnSubject final : public Subject {
+ public:
+  KnnSubject(const Questions& questions, bool keep_refusals)
+      : questions_(questions), keep_refusals_(keep_refusals) {}
+
+  template <class Build>
+  void build(Build make) {
+    guarded([&] { index_ = make(); });
+  }
+
+  void run(std::size_t query_set, const Knobs& knobs, int threads) override {
+    if (!index_) return;  // its refusal is kept
+    refusal_.clear();
+    guarded([&] { ask(questions_.sets[query_set], knobs, threads); });
+  }
+
+  std::optional<std::pair<double, double>> work(std::size_t query_set, const Knobs&) override {
+    if (!index_ || !refusal_.empty()) return std::nullopt;
+    const Questions::Set& set = questions_.sets[query_set];
+    const std::size_t n = questions_.size_of(set);
+    const auto work = set.kind == Kind::nearest ? index_->nearest_work(questions_.points_of(set), set.k)
+                      : set.kind == Kind::within
+                          ? index_->within_work(questions_.points_of(set), questions_.radius)
+                          : index_->inside_work(questions_.boxes);
+    if (!work || n == 0) return std::nullopt;
+    const double scale = 1.0 / static_cast<double>(n);
+    return std::pair{scale * static_cast<double>(work->nodes), scale * static_cast<double>(work->primitives)};
+  }
+
+  const std::vector<Id>& ids() const { return ids_; }
+  const Lists<Id>& lists() const { return lists_; }
+  const std::string& refusal() const { return refusal_; }
+
+ private:
+  void ask(const Questions::Set& set, const Knobs& knobs, int threads) {
+    switch (set.kind) {
+      case Kind::nearest: {
+        const auto& queries = questions_.points_of(set);
+        ids_.assign(queries.size() * set.k, accel::no_id);
+        index_->nearest(queries, set.k, knobs, threads, ids_);
+        break;
+      }
+      case Kind::within:
+        index_->within(questions_.points_of(set), questions_.radius, knobs, threads, lists_);
+        break;
+      case Kind::inside:
+        index_->inside(questions_.boxes, knobs, threads, lists_);
+        break;
+    }
+  }
+
+  template <class F>
+  void guarded(F&& f) {
+    try {
+      f();
+    } catch (const Unsupported&) {
+      throw;
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& e) {
+      if (!keep_refusals_) throw;
+      refusal_ = e.what();
+      if (refusal_.empty()) refusal_ = "refused without a word";
+    }
+  }
+
+  const Questions& questions_;
+  bool keep_refusals_;
+  std::unique_ptr<Index> index_;
+  std::vector<Id> ids_;
+  Lists<Id> lists_;
+  std::string refusal_;
+};
+
+struct Opening {
+  std::vector<Vec3f> points;
+  std::uint64_t seed = 0, hash = 0;
+  int task_version = 0;
+  int truth_threads = 1;
+  bool must_answer = false;
+  std::string truth_cache;
+};
+
+class KnnBlock final : public Block {
+ public:
+  template <class Ask>
+  KnnBlock(const std::vector<Method>& methods, Opening opening, Ask ask)
+      : methods_(methods), opening_(std::move(opening)), scan_(opening_.points), questions_(ask(scan_)) {
+    for (const Questions::Set& s : questions_.sets) sets_.push_back({s.name, questions_.size_of(s)});
+    range_truths_.resize(questions_.sets.size());
+  }
+
+  const std::vector<QuerySet>& query_sets() const override { return sets_; }
+  std::size_t n() const override { return opening_.points.size(); }
+  std::uint64_t seed() const override { return opening_.seed; }
+  std::uint64_t dataset_hash() const override { return opening_.hash; }
+
+  std::unique_ptr<Subject> build(std::size_t m, const Knobs& knobs, int threads) override {
+    auto subject = std::make_unique<KnnSubject>(questions_, opening_.must_answer);
+    const Input input{opening_.points, scan_.size() == opening_.points.size(), questions_.spacing, threads};
+    subject->build([&] { return methods_[m].build(input, knobs); });
+    return subject;
+  }
+
+  Errors check(std::size_t m, const Subject& subject, std::size_t number, const Knobs&) override {
+    const auto& answers = dynamic_cast<const KnnSubject&>(subject);
+    if (!answers.refusal().empty()) {
+      Errors e;
+      e.within_claim = false;
+      e.reason = "refused what must be answered: " + answers.refusal();
+      return e;
+    }
+    const Questions::Set& set = questions_.sets[number];
+    const Claim claim = methods_[m].info.claim;
+    if (set.kind == Kind::nearest)
+      return nearest_errors(opening_.points, questions_.points_of(set), set.k, answers.ids(),
+                            nearest_truth_of(set), claim);
+    return range_errors(answers.lists(), range_truth_of(number), claim);
+  }
+
+ private:
+  std::vector<std::uint32_t> sample(const Questions::Set& set) const {
+    const std::size_t size = questions_.size_of(set);
+    return spread_sample(size, checked_queries(scan_.size(), size));
+  }
+
+  // One truth serves all sets that ask at the same points: the one of largest k.
+  const NearestTruth& nearest_truth_of(const Questions::Set& set) {
+    std::optional<NearestTruth>& truth = set.off ? off_truth_ : self_truth_;
+    if (truth) return *truth;
+    std::size_t k = 0;
+    for (const Questions::Set& s : questions_.sets)
+      if (s.kind == Kind::nearest && s.off == set.off) k = std::max(k, s.k);
+    truth = cached<NearestTruth>(set.off ? "knn_off" : "knn_self", k, nearest_from_bytes, [&] {
+      return nearest_truth(scan_, questions_.points_of(set), k, sample(set), opening_.truth_threads);
+    });
+    return *truth;
+  }
+
+  const RangeTruth& range_truth_of(std::size_t number) {
+    std::optional<RangeTruth>& truth = range_truths_[number];
+    if (truth) return *truth;
+    const Questions::Set& set = questions_.sets[number];
+    const bool within = set.kind == Kind::within;
+    truth = cached<RangeTruth>(within ? "knn_within" : "knn_inside", 0, range_from_bytes, [&] {
+      return within ? within_truth(scan_, questions_.points_of(set), questions_.radius, sample(set),
+                                   opening_.truth_threads)
+                    : inside_truth(scan_, questions_.boxes, sample(set), opening_.truth_threads);
+    });
+    return *truth;
+  }
+
+  template <class Truth, class Compute>
+  Truth cached(const char* part, std::size_t k, Truth (*parse)(std::string_view), Compute compute) const {
+    const TruthKey key{part, opening_.task_version, opening_.hash, query_hash(k)};
+    if (const auto bytes = load_truth(opening_.truth_cache, key)) try {
+        return parse({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+      } catch (const std::invalid_argument&) {
+        // Damaged: counts as absent.
+      }
+    Truth truth = compute();
+    const std::string bytes = to_bytes(truth);
+    store_truth(opening_.truth_cache, key, std::as_bytes(std::span(bytes)));
+    return truth;
+  }
+
+  std::uint64_t query_hash(std::size_t k) const {
+    std::uint64_t h = geometry::hash_u64(k, questions_.self.size());
+    const auto add = [&](float x) { h = geometry::hash_u64(h, std::bit_cast<std::uint32_t>(x)); };
+    for (const auto* list : {&questions_.self, &questions_.off})
+      for (const Vec3f& p : *list) add(p[0]), add(p[1]), add(p[2]);
+    for (const Box3f& b : questions_.boxes)
+      for (int a = 0; a < 3; ++a) add(b.low[a]), add(b.high[a]);
+    add(questions_.radius);
+    return h;
+  }
+
+  const std::vector<Method>& methods_;
+  const Opening opening_;
+  const DoubleScan scan_;
+  const Questions questions_;
+  std::vector<QuerySet> sets_;
+  std::optional<NearestTruth> self_truth_, off_truth_;
+  std::vector<std::optional<RangeTruth>> range_truths_;
+};
+
+}  // namespace
+
+std::unique_ptr<Block> open_block(const std::vector<Method>& methods, datasets::Dataset dataset,
+                                  std::size_t queries_a_set, int task_version, const RunContext& context) {
+  Opening o;
+  o.seed = dataset.seed;
+  o.hash = dataset.hash();
+  o.task_version = task_version;
+  o.truth_threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  o.truth_cache = context.truth_cache;
+  o.points = dataset.kind == datasets::Kind::cloud ? std::move(dataset.cloud.points)
+                                                   : std::move(dataset.mesh.vertices);
+  const int threads = o.truth_threads;
+  return std::make_unique<KnnBlock>(methods, std::move(o), [&](const DoubleScan& scan) {
+    return questions_about(scan, queries_a_set, context.seed, threads);
+  });
+}
+
+std::unique_ptr<Block> open_hard_block(const std::vector<Method>& methods, datasets::HardCase hard_case,
+                                       int task_version, const RunContext& context) {
+  datasets::Dataset dataset;
+  dataset.cloud = hard_case.cloud;
+  Opening o;
+  o.seed = context.seed;
+  o.hash = dataset.hash();
+  o.task_version = task_version;
+  o.must_answer = hard_case.expect == datasets::Expect::answers;
+  o.points = hard_case.cloud.points;
+  return std::make_unique<KnnBlock>(methods, std::move(o),
+                                    [&](const DoubleScan& scan) { return questions_of(hard_case, scan); });
+}
+
+}  // namespace treeline::bench::knn

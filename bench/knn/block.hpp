@@ -1,0 +1,22 @@
+// One cloud with its questions and their truth, as the harness wants it.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "bench/core/task.hpp"
+#include "bench/knn/method.hpp"
+#include "datasets_gen/hard/hard_case.hpp"
+
+namespace treeline::bench::knn {
+
+/// A block over a cloud or the vertices of a mesh. Truths are computed when first needed, by all cores, and
+/// cached. Methods must outlive the block.
+std::unique_ptr<Block> open_block(const std::vector<Method>&, datasets::Dataset, std::size_t queries_a_set,
+                                  int task_version, const RunContext&);
+
+/// A block over a hard case. Starts no threads. Where the case must be answered, a refusal is a wrong answer.
+std::unique_ptr<Block> open_hard_block(const std::vector<Method>&, datasets::HardCase, int task_version,
+                                       const RunContext&);
+
+}  // namespace treeline::bench::knn

@@ -1,0 +1,17 @@
+#include "accel/brute_force/points.hpp"
+#include "bench/knn/tree_index.hpp"
+
+namespace treeline::bench::knn {
+namespace {
+
+using Tree = accel::BruteForce<accel::Points<float, 3>>;
+
+// Above this size a query costs as much as thousands of a tree's: nothing new would be learnt.
+constexpr std::size_t largest_worth_it = 100'000;
+
+[[maybe_unused]] const bool registered = Registry<Method>::instance().add(
+    {.info = {.name = "brute", .family = "brute", .ladder = 0, .largest_n = largest_worth_it},
+     .build = [](const Input& input, const Knobs& knobs) { return build_tree<Tree>(input, {}, knobs); }});
+
+}  // namespace
+}  // namespace treeline::bench::knn

@@ -1,0 +1,113 @@
+// CGAL's Kd_tree with sliding-midpoint splits and orthogonal distance search.
+//
+// Its documented settings: the splitter (sliding midpoint, its default, is the one advised), the bucket size
+// (10 by default), extended nodes, and the cache of coordinates in leaf order, switched on here. Points are
+// floats as for everyone else. Spheres and boxes are asked without fuzziness.
+#include <CGAL/Fuzzy_iso_box.h>
+#include <CGAL/Fuzzy_sphere.h>
+#include <CGAL/Kd_tree.h>
+#include <CGAL/Orthogonal_k_neighbor_search.h>
+#include <CGAL/Search_traits_3.h>
+#include <CGAL/Search_traits_adapter.h>
+#include <CGAL/Simple_cartesian.h>
+#include <CGAL/property_map.h>
+#include <CGAL/version.h>
+
+#include "accel/batch.hpp"
+#include "bench/core/registry.hpp"
+#include "bench/knn/method.hpp"
+
+namespace treeline::bench::knn {
+namespace {
+
+using Kernel = CGAL::Simple_cartesian<float>;
+using Point = Kernel::Point_3;
+using Item = std::pair<Point, Id>;
+using Traits =
+    CGAL::Search_traits_adapter<Item, CGAL::First_of_pair_property_map<Item>, CGAL::Search_traits_3<Kernel>>;
+using Splitter = CGAL::Sliding_midpoint<Traits>;
+using Tree = CGAL::Kd_tree<Traits, Splitter, CGAL::Tag_true, CGAL::Tag_true>;
+using Distance = CGAL::Distance_adapter<Item, CGAL::First_of_pair_property_map<Item>,
+                                        CGAL::Euclidean_distance<CGAL::Search_traits_3<Kernel>>>;
+using Search = CGAL::Orthogonal_k_neighbor_search<Traits, Distance, Splitter, Tree>;
+using Sphere = CGAL::Fuzzy_sphere<Traits>;
+using IsoBox = CGAL::Fuzzy_iso_box<Traits>;
+
+Point point(const Vec3f& p) { return {p[0], p[1], p[2]}; }
+
+// Output iterator that keeps the id of an item.
+struct IdSink {
+  using iterator_category = std::output_iterator_tag;
+  using value_type = void;
+  using difference_type = std::ptrdiff_t;
+  using pointer = void;
+  using reference = void;
+  std::vector<Id>* ids;
+  IdSink& operator*() { return *this; }
+  IdSink& operator++() { return *this; }
+  IdSink operator++(int) { return *this; }
+  IdSink& operator=(const Item& item) {
+    ids->push_back(item.second);
+    return *this;
+  }
+};
+
+class CgalKdtree final : public Index {
+ public:
+  CgalKdtree(const Input& input, const Knobs& knobs)
+      : items_(items(input)),
+        tree_(items_.begin(), items_.end(), Splitter(knobs.at("bucket_size").get<unsigned>())) {
+    items_ = {};
+    tree_.build();
+  }
+
+  void nearest(std::span<const Vec3f> queries, std::size_t k, const Knobs&, int threads,
+               std::span<Id> ids) const override {
+    accel::parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const Search search(tree_, point(queries[i]), static_cast<unsigned>(k));
+        std::size_t j = i * k;
+        for (const auto& [item, distance2] : search) ids[j++] = item.second;
+      }
+    });
+  }
+
+  void within(std::span<const Vec3f> queries, float radius, const Knobs&, int threads,
+              Lists<Id>& lists) const override {
+    accel::parallel_lists(queries.size(), threads, lists, [&](std::size_t i, std::vector<Id>& ids) {
+      tree_.search(IdSink{&ids}, Sphere(point(queries[i]), radius));
+    });
+  }
+
+  void inside(std::span<const Box3f> boxes, const Knobs&, int threads, Lists<Id>& lists) const override {
+    accel::parallel_lists(boxes.size(), threads, lists, [&](std::size_t i, std::vector<Id>& ids) {
+      tree_.search(IdSink{&ids}, IsoBox(point(boxes[i].low), point(boxes[i].high)));
+    });
+  }
+
+ private:
+  static std::vector<Item> items(const Input& input) {
+    std::vector<Item> r;
+    r.reserve(input.points.size());
+    for (std::size_t i = 0; i < input.points.size(); ++i)
+      r.emplace_back(point(input.points[i]), static_cast<Id>(i));
+    return r;
+  }
+
+  std::vector<Item> items_;  // only until the tree has its copy
+  Tree tree_;
+};
+
+[[maybe_unused]] const bool registered = Registry<Method>::instance().add(
+    {.info = {.name = "cgal_kdtree",
+              .family = "kd",
+              .source = Source::peer,
+              .peer_version = CGAL_VERSION_STR,
+              .build_knobs = {{{"bucket_size", 10}}, {{"bucket_size", 20}}},
+              .ladder = 34},
+     .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
+       return std::make_unique<CgalKdtree>(input, knobs);
+     }});
+
+}  // namespace
+}  // namespace treeline::bench::knn

@@ -1,0 +1,48 @@
+// FLANN's KDTreeIndex: a forest of randomised KD-trees searched together, best bin first (Muja and Lowe
+// 2009).
+//
+// Approximate: a search stops after `checks` points. Its documented settings are the number of trees (4 by
+// default) and the checks (32 by default). Trees draw from rand(); the seed is fixed here, so that runs
+// repeat. Made for high dimensions; in three it shows what approximation costs and buys.
+#include "bench/core/registry.hpp"
+#include "bench/knn/flann_search.hpp"
+
+namespace treeline::bench::knn {
+namespace {
+
+class FlannForest final : public Index {
+ public:
+  FlannForest(const Input& input, const Knobs& knobs)
+      : index_(flann_matrix(input.points), flann::KDTreeIndexParams(knobs.at("trees").get<int>())) {
+    flann::seed_random(1);
+    index_.buildIndex();
+  }
+
+  void nearest(std::span<const Vec3f> queries, std::size_t k, const Knobs& knobs, int threads,
+               std::span<Id> ids) const override {
+    flann_nearest(index_, queries, k, flann::SearchParams(knobs.at("checks").get<int>()), threads, ids);
+  }
+  void within(std::span<const Vec3f> queries, float radius, const Knobs& knobs, int threads,
+              Lists<Id>& lists) const override {
+    flann_within(index_, queries, radius, flann::SearchParams(knobs.at("checks").get<int>()), threads, lists);
+  }
+
+ private:
+  flann::KDTreeIndex<flann::L2_3D<float>> index_;
+};
+
+[[maybe_unused]] const bool registered = Registry<Method>::instance().add(
+    {.info = {.name = "flann_forest",
+              .family = "forest",
+              .source = Source::peer,
+              .claim = Claim::approximate,
+              .peer_version = FLANN_VERSION_,
+              .build_knobs = {{{"trees", 4}}, {{"trees", 8}}},
+              .query_knobs = {{{"checks", 16}}, {{"checks", 32}}, {{"checks", 128}}, {{"checks", 512}}},
+              .ladder = 20},
+     .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
+       return std::make_unique<FlannForest>(input, knobs);
+     }});
+
+}  // namespace
+}  // namespace treeline::bench::knn

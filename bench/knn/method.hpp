@@ -1,0 +1,63 @@
+// What every method file of this folder implements: an index built over points, asked one batch at a time.
+//
+// Answers are ids only; distances and errors are derived by the task, in double. One virtual call per batch,
+// so that all methods pay the same for being behind an interface.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "accel/concepts.hpp"
+#include "bench/core/task.hpp"
+#include "geometry/box.hpp"
+
+namespace treeline::bench::knn {
+
+using accel::Id;
+using accel::Lists;
+using geometry::Box3f;
+using geometry::Vec3f;
+
+/// What an index is built over. The points outlive the index.
+struct Input {
+  std::span<const Vec3f> points;
+  bool finite = true;  // no NaN or infinite coordinate among the points
+  double spacing =
+      0;  // median distance from a point to its nearest other one; 0 if all sampled ones coincide
+  int threads = 1;
+};
+
+class Index {
+ public:
+  virtual ~Index() = default;
+
+  /// k ids per query, row after row, nearest first. `ids` comes filled with no_id; what is not found stays
+  /// so.
+  virtual void nearest(std::span<const Vec3f> queries, std::size_t k, const Knobs& query_knobs, int threads,
+                       std::span<Id> ids) const;
+  /// Ids of all points within the radius of each query, in any order.
+  virtual void within(std::span<const Vec3f> queries, float radius, const Knobs& query_knobs, int threads,
+                      Lists<Id>& ids) const;
+  /// Ids of all points inside each closed box, in any order.
+  virtual void inside(std::span<const Box3f> boxes, const Knobs& query_knobs, int threads,
+                      Lists<Id>& ids) const;
+
+  /// Nodes and primitives touched by the same batch, per batch; nothing if the method cannot count.
+  virtual std::optional<accel::Work> nearest_work(std::span<const Vec3f> queries, std::size_t k) const;
+  virtual std::optional<accel::Work> within_work(std::span<const Vec3f> queries, float radius) const;
+  virtual std::optional<accel::Work> inside_work(std::span<const Box3f> boxes) const;
+
+  /// Cells cut by a plane, for pictures; empty if the method has none to show.
+  virtual std::vector<accel::SliceCell> slice(int axis, double offset) const;
+};
+
+/// A method: what it is, and how to build it. build throws to refuse the input.
+struct Method {
+  MethodInfo info;
+  std::unique_ptr<Index> (*build)(const Input&, const Knobs& build_knobs) = nullptr;
+};
+
+}  // namespace treeline::bench::knn

@@ -1,0 +1,123 @@
+#include "bench/knn/questions.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "bench/knn/parallel.hpp"
+#include "bench/knn/truth.hpp"
+#include "geometry/random.hpp"
+
+namespace treeline::bench::knn {
+
+using geometry::Box3f;
+using geometry::Vec3f;
+
+namespace {
+
+constexpr std::size_t average = 30;         // neighbours of a radius or box query
+constexpr std::size_t sampled_points = 64;  // on which radius and box are sized
+constexpr double enlarged = 0.1;            // of the box's widest side, for queries off the cloud
+
+// The first `count` of a random permutation of [0, n) (Fisher and Yates).
+std::vector<std::uint32_t> random_choice(std::size_t n, std::size_t count, geometry::Pcg32& random) {
+  std::vector<std::uint32_t> numbers(n);
+  for (std::size_t i = 0; i < n; ++i) numbers[i] = static_cast<std::uint32_t>(i);
+  count = std::min(n, count);
+  for (std::size_t i = 0; i < count; ++i)
+    std::swap(numbers[i], numbers[i + random.below(static_cast<std::uint32_t>(n - i))]);
+  numbers.resize(count);
+  return numbers;
+}
+
+std::vector<Vec3f> off_cloud(const Box3f& box, std::size_t count, geometry::Pcg32& random) {
+  const float margin = static_cast<float>(enlarged / 2) * box.extent()[box.widest_axis()];
+  std::vector<Vec3f> r(count);
+  for (Vec3f& p : r)
+    for (int a = 0; a < 3; ++a) p[a] = random.uniform<float>(box.low[a] - margin, box.high[a] + margin);
+  return r;
+}
+
+// The distance that holds `average` points a query on average, pooled over the sampled ones: since no query
+// can hold more than all of the pool, the nearest average·samples of each are enough.
+template <class Nearest>
+double pooled_distance(const std::vector<Vec3f>& sample, int threads, Nearest nearest) {
+  const std::size_t pool = average * sample.size();
+  std::vector<std::vector<double>> each(sample.size());
+  parallel_chunks(sample.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (const DoubleScan::Found& f : nearest(sample[i], pool)) each[i].push_back(f.distance2);
+  });
+  std::vector<double> all;
+  for (const auto& e : each) all.insert(all.end(), e.begin(), e.end());
+  const std::size_t rank = std::min(pool, all.size()) - 1;
+  std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(rank), all.end());
+  // Halfway to the next distance, so that the border holds no point of the sample.
+  const double last = std::sqrt(all[rank]);
+  if (rank + 1 == all.size()) return last * 1.0001;
+  return (last +
+          std::sqrt(*std::min_element(all.begin() + static_cast<std::ptrdiff_t>(rank) + 1, all.end()))) /
+         2;
+}
+
+double median_spacing(const DoubleScan& cloud, const std::vector<Vec3f>& sample) {
+  std::vector<double> d;
+  for (const Vec3f& p : sample) {
+    const auto found = cloud.nearest(p, 2);
+    if (found.size() == 2) d.push_back(std::sqrt(found[1].distance2));
+  }
+  if (d.empty()) return 0;
+  const auto middle = d.begin() + static_cast<std::ptrdiff_t>(d.size() / 2);
+  std::nth_element(d.begin(), middle, d.end());
+  return *middle;
+}
+
+Box3f cube(const Vec3f& centre, float half) {
+  const Vec3f h = Vec3f::filled(half);
+  return {centre - h, centre + h};
+}
+
+}  // namespace
+
+Questions questions_about(const DoubleScan& cloud, std::size_t count, std::uint64_t seed, int threads) {
+  if (cloud.size() == 0) throw std::invalid_argument("the cloud has no finite point to ask about");
+  using Kind = Questions::Kind;
+  geometry::Pcg32 random(seed, 7);  // a stream of its own, apart from the recipes'
+  Questions q;
+  for (const std::uint32_t i : random_choice(cloud.size(), count, random)) q.self.push_back(cloud.point(i));
+  q.off = off_cloud(cloud.box(), count, random);
+
+  std::vector<Vec3f> sample;
+  for (const std::uint32_t i : spread_sample(q.self.size(), sampled_points)) sample.push_back(q.self[i]);
+  q.radius = static_cast<float>(
+      pooled_distance(sample, threads, [&](const Vec3f& p, std::size_t k) { return cloud.nearest(p, k); }));
+  const auto half = static_cast<float>(pooled_distance(
+      sample, threads, [&](const Vec3f& p, std::size_t k) { return cloud.nearest_by_cube(p, k); }));
+  for (const Vec3f& p : q.self) q.boxes.push_back(cube(p, half));
+  q.spacing = median_spacing(cloud, sample);
+
+  q.sets = {{"knn1_self", Kind::nearest, 1, false},   {"knn8_self", Kind::nearest, 8, false},
+            {"knn32_self", Kind::nearest, 32, false}, {"knn1_off", Kind::nearest, 1, true},
+            {"knn8_off", Kind::nearest, 8, true},     {"radius_self", Kind::within, 0, false},
+            {"box_self", Kind::inside, 0, false}};
+  return q;
+}
+
+Questions questions_of(const datasets::HardCase& hard_case, const DoubleScan& cloud) {
+  using Kind = Questions::Kind;
+  Questions q;
+  q.self = hard_case.queries;
+  q.sets.push_back({"knn" + std::to_string(hard_case.k), Kind::nearest, hard_case.k, false});
+  std::vector<Vec3f> sample;
+  for (const std::uint32_t i : spread_sample(cloud.size(), sampled_points)) sample.push_back(cloud.point(i));
+  q.spacing = median_spacing(cloud, sample);
+  if (!(hard_case.radius >= 0)) return q;
+  q.radius = hard_case.radius;
+  q.sets.push_back({"radius", Kind::within, 0, false});
+  for (const Vec3f& p : q.self)
+    if (!geometry::is_finite(p)) return q;
+  for (const Vec3f& p : q.self) q.boxes.push_back(cube(p, q.radius));
+  q.sets.push_back({"box", Kind::inside, 0, false});
+  return q;
+}
+
+}  // namespace treeline::bench::knn

@@ -1,0 +1,92 @@
+#include "bench/knn/task.hpp"
+
+#include "bench/core/registry.hpp"
+#include "bench/knn/block.hpp"
+#include "bench/knn/slice_picture.hpp"
+#include "datasets_gen/hard/hard_case.hpp"
+
+namespace treeline::bench::knn {
+namespace {
+
+std::vector<std::string> cloud_names() {
+  std::vector<std::string> names;
+  for (const datasets::Recipe& r : datasets::recipes())
+    if (r.kind == datasets::Kind::cloud) names.push_back(r.name);
+  return names;
+}
+
+// The two clouds whose growth with n is charted: the textbook's and the engineer's.
+const std::vector<std::string> charted_in_n{"uniform_cube", "lidar"};
+
+std::size_t queries_a_set(Profile profile) {
+  switch (profile) {
+    case Profile::smoke:
+      return 100;
+    case Profile::quick:
+      return 2'000;
+    case Profile::full:
+      return 20'000;
+  }
+  throw std::invalid_argument("no such profile");
+}
+
+datasets::HardCase hard_case_named(const std::string& name) {
+  for (datasets::HardCase& c : datasets::hard_cases())
+    if (c.name == name && c.for_points()) return std::move(c);
+  throw std::invalid_argument("no hard case for points is called '" + name + "'");
+}
+
+}  // namespace
+
+KnnTask::KnnTask() : methods_(Registry<Method>::instance().in_order_of(TREELINE_TASK_METHODS)) {
+  for (const Method& m : methods_) infos_.push_back(m.info);
+}
+
+std::vector<std::pair<std::string, std::string>> KnnTask::not_built() const {
+  return parse_not_built(TREELINE_TASK_NOT_BUILT);
+}
+
+std::vector<BlockSpec> KnnTask::blocks(Profile profile) const {
+  std::vector<BlockSpec> r;
+  const auto add = [&](const std::vector<std::string>& names, std::size_t n) {
+    for (const std::string& name : names) r.push_back({name, n});
+  };
+  switch (profile) {
+    case Profile::smoke:
+      add(charted_in_n, 1'000);
+      break;
+    case Profile::quick:
+      add(cloud_names(), 100'000);
+      add(charted_in_n, 10'000);
+      add(charted_in_n, 1'000'000);
+      break;
+    case Profile::full:
+      for (const std::size_t n : {10'000u, 100'000u, 1'000'000u}) add(cloud_names(), n);
+      add(charted_in_n, 10'000'000);
+      break;
+  }
+  return r;
+}
+
+std::vector<BlockSpec> KnnTask::hard_blocks() const {
+  std::vector<BlockSpec> r;
+  for (const datasets::HardCase& c : datasets::hard_cases())
+    if (c.for_points()) r.push_back({c.name, c.cloud.size(), true});
+  return r;
+}
+
+std::unique_ptr<Block> KnnTask::open(const BlockSpec& spec, const RunContext& context) const {
+  if (spec.hard) return open_hard_block(methods_, hard_case_named(spec.dataset), version(), context);
+  return open(datasets::generate(spec.dataset, spec.n, context.seed), context);
+}
+
+std::unique_ptr<Block> KnnTask::open(datasets::Dataset dataset, const RunContext& context) const {
+  return open_block(methods_, std::move(dataset), queries_a_set(context.profile), version(), context);
+}
+
+void KnnTask::pictures(const BlockSpec& spec, const RunContext& context, const std::string& folder) const {
+  const datasets::Dataset dataset = datasets::generate(spec.dataset, spec.n, context.seed);
+  write_slice_pictures(methods_, dataset.cloud.points, spec.label(), folder);
+}
+
+}  // namespace treeline::bench::knn

@@ -1,0 +1,74 @@
+// Any tree of ours (brute force included) as a method: its own batches, its own work counters.
+#pragma once
+
+#include "accel/concepts.hpp"
+#include "bench/core/registry.hpp"
+#include "bench/knn/method.hpp"
+
+namespace treeline::bench::knn {
+
+template <class Tree>
+requires accel::NeighborIndex<Tree> && accel::Inspectable<Tree>
+class TreeIndex final : public Index {
+  using Neighbor = accel::Neighbor<float>;
+
+ public:
+  TreeIndex(const Input& input, const typename Tree::Options& options) : tree_(input.points, options) {}
+
+  void nearest(std::span<const Vec3f> queries, std::size_t k, const Knobs&, int threads,
+               std::span<Id> ids) const override {
+    thread_local std::vector<Neighbor> found;
+    found.resize(ids.size());
+    tree_.nearest(queries, k, std::span<Neighbor>(found), threads);
+    for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = found[i].id;
+  }
+
+  void within(std::span<const Vec3f> queries, float radius, const Knobs&, int threads,
+              Lists<Id>& ids) const override {
+    thread_local Lists<Neighbor> found;
+    tree_.within(queries, radius, found, threads);
+    ids.offsets = found.offsets;
+    ids.items.resize(found.items.size());
+    for (std::size_t i = 0; i < found.items.size(); ++i) ids.items[i] = found.items[i].id;
+  }
+
+  void inside(std::span<const Box3f> boxes, const Knobs&, int threads, Lists<Id>& ids) const override {
+    tree_.inside(boxes, ids, threads);
+  }
+
+  std::optional<accel::Work> nearest_work(std::span<const Vec3f> queries, std::size_t k) const override {
+    accel::Work work;
+    std::vector<Neighbor> found(k);
+    for (const Vec3f& q : queries) tree_.nearest(q, k, std::span<Neighbor>(found), work);
+    return work;
+  }
+  std::optional<accel::Work> within_work(std::span<const Vec3f> queries, float radius) const override {
+    accel::Work work;
+    std::vector<Neighbor> found;
+    for (const Vec3f& q : queries) found.clear(), tree_.within(q, radius, found, work);
+    return work;
+  }
+  std::optional<accel::Work> inside_work(std::span<const Box3f> boxes) const override {
+    accel::Work work;
+    std::vector<Id> found;
+    for (const Box3f& b : boxes) found.clear(), tree_.inside(b, found, work);
+    return work;
+  }
+
+  std::vector<accel::SliceCell> slice(int axis, double offset) const override {
+    return tree_.slice(axis, offset);
+  }
+
+ private:
+  Tree tree_;
+};
+
+/// Points that are not finite are left out, as stats().dropped says: answers are right over the rest.
+template <class Tree>
+std::unique_ptr<Index> build_tree(const Input& input, typename Tree::Options options, const Knobs& knobs) {
+  options.non_finite = accel::NonFinite::drop;
+  if (knobs.contains("leaf_size")) options.leaf_size = knobs.at("leaf_size").get<int>();
+  return std::make_unique<TreeIndex<Tree>>(input, options);
+}
+
+}  // namespace treeline::bench::knn
