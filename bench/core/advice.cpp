@@ -1,0 +1,147 @@
+#include "bench/core/advice.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "bench/core/cells.hpp"
+#include "bench/core/table.hpp"
+
+namespace treeline::bench {
+namespace {
+
+/// The first limit that a row breaks; empty: none.
+std::string broken_limit(const Row& row, double tolerance) {
+  if (row.status != Status::ok) {
+    const std::string why = row.reason.empty() ? "" : ": " + row.reason;
+    return fmt::format("{} is {}{}", row.query_set, to_string(row.status), why);
+  }
+  const Errors& e = row.errors;
+  const double allowed = std::max(tolerance, e.floor.value_or(0));
+  const auto bias = e.bias ? std::optional(std::abs(*e.bias)) : std::nullopt;
+  const std::pair<const char*, std::optional<double>> stated[] = {{"error", e.error},
+                                                                  {"error_max", e.max},
+                                                                  {"error_p99", e.p99},
+                                                                  {"error_mean", e.mean},
+                                                                  {"|bias|", bias}};
+  for (const auto& [name, value] : stated)
+    if (value && !(*value <= allowed))
+      return fmt::format("{} of {} is {:.3g}, allowed {:.3g}", name, row.query_set, *value, allowed);
+  if (!e.error) return fmt::format("{} has no measured error", row.query_set);
+  return "";
+}
+
+const Row* row_of_set(const std::vector<Row>& rows, const std::string& set) {
+  const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.query_set == set; });
+  return found == rows.end() ? nullptr : &*found;
+}
+
+std::string rung_name(const Row& row) {
+  std::string name = row.method;
+  if (!row.build_knobs.empty()) name += ", build " + format_knobs(row.build_knobs);
+  if (!row.query_knobs.empty()) name += ", query " + format_knobs(row.query_knobs);
+  return name;
+}
+
+/// The largest of one error over the rung's query sets.
+std::optional<double> worst(const Rung& rung, std::optional<double> Errors::*error) {
+  std::optional<double> out;
+  for (const Row& row : rung.rows)
+    if (row.errors.*error) out = std::max(out.value_or(0), *(row.errors.*error));
+  return out;
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (char c : text) {
+    if (std::string_view(".[]{}()\\*+?|^$").find(c) != std::string_view::npos) out += '\\';
+    out += c;
+  }
+  return out;
+}
+
+std::string filter_of(const Rung& rung) {
+  const Row& row = rung.rows.front();
+  return fmt::format("/{}$", escaped(fmt::format("{}/{}/{}", row.method, format_knobs(row.build_knobs),
+                                                 format_knobs(row.query_knobs))));
+}
+
+std::string cost_of(const Rung& rung) {
+  std::string out;
+  for (const Row& row : rung.rows)
+    out += fmt::format("{}{} {}", out.empty() ? "" : ", ", row.query_set,
+                       row.query_ns ? format_time_ns(*row.query_ns) : "?");
+  return out;
+}
+
+}  // namespace
+
+Advice advise(const Task& task, const std::vector<Row>& rows, const std::vector<std::string>& sets,
+              double tolerance) {
+  std::map<std::string, std::vector<Row>> by_rung;
+  for (const Row& row : rows)
+    if (row.status != Status::not_built)
+      by_rung[row.method + "/" + row.build_knobs.dump() + "/" + row.query_knobs.dump()].push_back(row);
+  Advice out;
+  for (auto& [name, all] : by_rung) {
+    Rung rung;
+    for (const std::string& set : sets)
+      if (const Row* row = row_of_set(all, set)) rung.rows.push_back(*row);
+    if (rung.rows.size() != sets.size()) continue;
+    for (const Row& row : rung.rows) {
+      rung.cost_ns += row.query_ns.value_or(std::numeric_limits<double>::infinity());
+      if (rung.limit.empty()) rung.limit = broken_limit(row, tolerance);
+    }
+    for (const MethodInfo& info : task.methods())
+      if (info.name == rung.rows.front().method) rung.ladder = info.ladder;
+    out.rungs.push_back(std::move(rung));
+  }
+  std::stable_sort(out.rungs.begin(), out.rungs.end(), [](const Rung& a, const Rung& b) {
+    return std::tie(a.cost_ns, a.ladder) < std::tie(b.cost_ns, b.ladder);
+  });
+  const auto met = std::find_if(out.rungs.begin(), out.rungs.end(),
+                                [](const Rung& r) { return r.limit.empty() && std::isfinite(r.cost_ns); });
+  if (met != out.rungs.end()) out.chosen = static_cast<std::size_t>(met - out.rungs.begin());
+  return out;
+}
+
+std::string format_advice(const Advice& advice, double tolerance, const std::string& again) {
+  if (!advice.chosen) {
+    std::string out = fmt::format("No method meets a tolerance of {:g} on every query set.\n", tolerance);
+    for (const Rung& rung : advice.rungs)
+      out += fmt::format("  {}: {}\n", rung_name(rung.rows.front()), rung.limit);
+    return out;
+  }
+  const Rung& rung = advice.rungs[*advice.chosen];
+  const Row& row = rung.rows.front();
+  std::string out =
+      fmt::format("Advice for a tolerance of {:g} on {} ({} elements):\n", tolerance, row.dataset, row.n);
+  out += fmt::format("  {} ({}, {})\n", rung_name(row), to_string(row.source), to_string(row.claim));
+  out += fmt::format("  cost   {} per query ({})\n", format_time_ns(rung.cost_ns), cost_of(rung));
+  out += fmt::format("  error  {} largest over the query sets", format_error(worst(rung, &Errors::error)));
+  if (const auto max = worst(rung, &Errors::max))
+    out += fmt::format(", worst single answer {}", format_error(max));
+  if (const auto floor = worst(rung, &Errors::floor))
+    out += fmt::format(" (truth itself ±{})", format_error(floor));
+  out += fmt::format("\n  build  {}, {}\n",
+                     row.build_s ? fmt::format("{:.3g} s", *row.build_s) : "no time known",
+                     row.bytes ? format_bytes(*row.bytes) : "bytes not counted");
+  if (*advice.chosen == 0) {
+    out += "  below  nothing cheaper was measured\n";
+  } else {
+    const Rung& below = advice.rungs[*advice.chosen - 1];
+    out += fmt::format("  below  {} at {} per query is not enough: {}\n", rung_name(below.rows.front()),
+                       format_time_ns(below.cost_ns), below.limit);
+  }
+  std::string line = again;
+  if (const std::size_t at = line.find("%FILTER%"); at != std::string::npos)
+    line.replace(at, 8, filter_of(rung));
+  return out + "  again  " + line + "\n";
+}
+
+}  // namespace treeline::bench

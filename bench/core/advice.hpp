@@ -1,0 +1,32 @@
+// Advice: model no more than the input needs. Of all rungs (method and knobs) the cheapest whose every stated
+// error meets the tolerance on every query set, and why the next cheaper one does not.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/core/task.hpp"
+
+namespace treeline::bench {
+
+struct Rung {
+  std::vector<Row> rows;  // one a query set
+  double cost_ns = 0;     // median query times, summed over the query sets; infinite if one has none
+  int ladder = 0;         // order at equal cost
+  std::string limit;      // the first limit it breaks; empty: meets the tolerance
+};
+
+struct Advice {
+  std::vector<Rung> rungs;            // by cost
+  std::optional<std::size_t> chosen;  // none meets the tolerance: empty
+};
+
+/// From rows of one block; those of other query sets than `sets` do not count. A rung that lacks a set is
+/// left out. Errors are held against the tolerance, or against the truth's own error where that is larger.
+Advice advise(const Task&, const std::vector<Row>&, const std::vector<std::string>& sets, double tolerance);
+
+/// For people. `again` is a command line that measures the chosen rung alone; %FILTER% in it is replaced.
+std::string format_advice(const Advice&, double tolerance, const std::string& again);
+
+}  // namespace treeline::bench

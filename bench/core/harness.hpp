@@ -1,0 +1,35 @@
+// The ordinary way through a block: build every method, then query set by query set time all cells in turn,
+// and write their rows as soon as the query set is done.
+#pragma once
+
+#include <functional>
+
+#include "bench/core/cells.hpp"
+#include "bench/core/progress.hpp"
+#include "bench/core/row_file.hpp"
+#include "bench/core/timing.hpp"
+
+namespace treeline::bench {
+
+class Harness {
+ public:
+  Harness(const Task&, const Options&, const Filter&, RowFile&, Timer&);
+
+  /// Rows of all chosen cells of the block, those of an earlier run included. With `sets`, only of these.
+  std::vector<Row> run(const BlockFacts&, Block&, Progress&, const std::vector<std::string>& sets = {});
+
+ private:
+  struct Group;  // subjects held at one time, and their cells
+  Group next_group(std::vector<Cell>& cells, std::size_t& next, Block&, Progress&);
+  void run_query_set(Group&, std::size_t query_set, Block&);
+  void finish(const Row&);
+
+  const Task& task_;
+  const Options& options_;
+  const Filter& filter_;
+  RowFile& file_;
+  Timer& timer_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace treeline::bench

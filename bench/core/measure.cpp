@@ -1,0 +1,93 @@
+#include "bench/core/measure.hpp"
+
+#include <chrono>
+
+#include "bench/core/bytes.hpp"
+#include "bench/core/timing.hpp"
+
+namespace treeline::bench {
+namespace {
+
+constexpr double short_build_s = 0.25;  // longer builds are not repeated
+
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+void check(Block& block, Subject& subject, Cell& cell) {
+  try {
+    cell.row.errors = block.check(cell.method, subject, cell.query_set, cell.row.query_knobs);
+  } catch (const std::exception& e) {
+    cell.row.status = Status::wrong,
+    cell.row.reason = std::string("its answers cannot be judged: ") + e.what();
+    return;
+  }
+  if (!cell.row.errors.within_claim)
+    cell.row.status = Status::wrong, cell.row.reason = cell.row.errors.reason;
+}
+
+}  // namespace
+
+Build timed_build(Block& block, std::size_t method, const Knobs& build_knobs, int threads, int times) {
+  Build out;
+  std::vector<double> seconds;
+  try {
+    for (int i = 0; i < times; ++i) {
+      out.subject.reset();  // never two at a time
+      std::optional<ByteCount> count;
+      if (i == 0) count.emplace();
+      const Stopwatch watch;
+      out.subject = block.build(method, build_knobs, threads);
+      seconds.push_back(watch.seconds());
+      if (count) out.bytes = count->live();
+      if (seconds.back() > short_build_s) break;
+    }
+    out.seconds = median_interval(seconds).median;
+  } catch (...) {
+    out.subject.reset();
+    std::tie(out.status, out.reason) = classify(std::current_exception());
+  }
+  return out;
+}
+
+void note_build(Row& row, const Build& build) {
+  if (!build.subject) {
+    row.status = build.status, row.reason = build.reason;
+    return;
+  }
+  row.build_s = build.seconds, row.bytes = build.bytes;
+}
+
+double run_and_check(Block& block, Subject& subject, Cell& cell) {
+  Row& row = cell.row;
+  double seconds = 0;
+  try {
+    const Stopwatch watch;
+    subject.run(cell.query_set, row.query_knobs, row.threads);
+    seconds = watch.seconds();
+  } catch (...) {
+    std::tie(row.status, row.reason) = classify(std::current_exception());
+    return seconds;
+  }
+  check(block, subject, cell);
+  try {
+    if (const auto work = subject.work(cell.query_set, row.query_knobs))
+      row.work_nodes = work->first, row.work_primitives = work->second;
+  } catch (const std::exception&) {  // it answered; that it cannot count is no failure
+  }
+  return seconds;
+}
+
+bool is_failure(const Row& row, bool must_answer) {
+  if (row.source != Source::ours) return false;
+  return row.status == Status::wrong || row.status == Status::crashed || row.status == Status::timeout ||
+         (must_answer && row.status == Status::refused);
+}
+
+}  // namespace treeline::bench

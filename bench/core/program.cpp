@@ -1,0 +1,222 @@
+#include "bench/core/program.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+#include <numeric>
+
+#include "bench/core/advice.hpp"
+#include "bench/core/harness.hpp"
+#include "bench/core/measure.hpp"
+#include "bench/core/selection.hpp"
+#include "bench/core/stress.hpp"
+#include "bench/core/table.hpp"
+#include "datasets_gen/hard/hard_case.hpp"
+
+namespace treeline::bench {
+namespace {
+
+constexpr int exit_expected = 0, exit_failed = 1, exit_unusable = 2;
+
+/// What a run found, over all its blocks.
+struct Outcome {
+  std::size_t cells = 0, failures = 0;
+  void add(const std::vector<Row>& rows, bool must_answer) {
+    cells += rows.size();
+    for (const Row& row : rows) failures += is_failure(row, must_answer);
+  }
+};
+
+class Program {
+ public:
+  Program(const Task& task, Options options)
+      : task_(task), options_(std::move(options)), filter_(options_.benchmark.filter) {}
+
+  int run();
+
+ private:
+  void run_stress();
+  void run_blocks();
+  int run_advice();
+  void write_pictures();
+  void list_cells();
+  void show(const std::vector<Row>&, Progress&) const;
+  std::unique_ptr<Block> open(BlockSpec&);
+  std::vector<BlockSpec> blocks();
+  int finish() const;
+
+  const Task& task_;
+  Options options_;
+  Filter filter_;
+  RowFile file_;
+  std::optional<datasets::Dataset> input_;
+  Outcome outcome_;
+};
+
+int Program::run() {
+  if (options_.list) {
+    fmt::print("{}", format_list(task_, options_));
+    return exit_expected;
+  }
+  if (options_.benchmark.list_tests) return list_cells(), finish();
+  if (!options_.pictures.empty()) {
+    write_pictures();
+    if (options_.rows.empty() && !options_.advise) return exit_expected;
+  }
+  if (!options_.rows.empty()) file_ = RowFile(options_.rows, options_.resume);
+  if (options_.advise) return run_advice();
+  options_.stress ? run_stress() : run_blocks();
+  return finish();
+}
+
+std::vector<BlockSpec> Program::blocks() {
+  if (options_.input.empty()) return select_blocks(task_, options_);
+  input_ = read_input(options_.input, task_.dataset_kind());
+  for (const std::string& note : input_->notes) fmt::print(stderr, "{}: {}\n", options_.input, note);
+  return {{input_->name, input_->size(), false}};
+}
+
+/// What the dataset or file cannot give is the caller's to change, hence a UsageError.
+std::unique_ptr<Block> Program::open(BlockSpec& spec) {
+  try {
+    return input_ ? task_.open(*input_, options_.context) : task_.open(spec, options_.context);
+  } catch (const std::exception& e) {
+    throw UsageError(fmt::format("{}: {}", spec.label(), e.what()));
+  }
+}
+
+void Program::show(const std::vector<Row>& rows, Progress& progress) const {
+  progress.clear();
+  if (options_.quiet() || rows.empty()) return;
+  fmt::print("{}", format_table(rows));
+  std::fflush(stdout);
+}
+
+std::vector<double> weights_of(const std::vector<BlockSpec>& specs) {
+  std::vector<double> out;
+  // A cell takes about as long for any n; building and the truth grow with it.
+  for (const BlockSpec& spec : specs) out.push_back(2e5 + static_cast<double>(spec.n));
+  return out;
+}
+
+void Program::run_blocks() {
+  Timer timer(options_.context.profile, options_.benchmark);
+  auto specs = blocks();
+  Harness harness(task_, options_, filter_, file_, timer);
+  Progress progress(weights_of(specs));
+  for (std::size_t k = 0; k < specs.size(); ++k) {
+    progress.block(k, specs[k].label());
+    const auto block = open(specs[k]);
+    const auto rows = harness.run(facts_of(specs[k], *block), *block, progress);
+    // A recipe is input that can be answered; a user's file may rightly be refused.
+    outcome_.add(rows, !input_);
+    show(rows, progress);
+  }
+}
+
+void Program::run_stress() {
+  std::map<std::string, datasets::Expect> expect;
+  for (const datasets::HardCase& hard : datasets::hard_cases()) expect[hard.name] = hard.expect;
+  const auto specs = blocks();
+  Stress stress(task_, options_, filter_, file_);
+  Progress progress(std::vector<double>(specs.size(), 1));
+  for (std::size_t k = 0; k < specs.size(); ++k) {
+    progress.block(k, specs[k].label());
+    const auto rows = stress.run(specs[k], progress);
+    const auto found = expect.find(specs[k].dataset);
+    outcome_.add(rows, found == expect.end() || found->second == datasets::Expect::answers);
+    show(rows, progress);
+  }
+}
+
+std::string shell_word(const std::string& argument) {
+  if (argument.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:=,") ==
+      std::string::npos)
+    return argument;
+  std::string out = "'";
+  for (char c : argument) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+int Program::run_advice() {
+  Timer timer(options_.context.profile, options_.benchmark);
+  auto specs = blocks();
+  Harness harness(task_, options_, filter_, file_, timer);
+  Progress progress(weights_of(specs));
+  const std::vector<std::string> sets = task_.advise_on();
+  bool all_met = true;
+  for (std::size_t k = 0; k < specs.size(); ++k) {
+    progress.block(k, specs[k].label());
+    const auto block = open(specs[k]);
+    const auto rows = harness.run(facts_of(specs[k], *block), *block, progress, sets);
+    outcome_.add(rows, false);
+    progress.clear();
+    const Advice advice = advise(task_, rows, sets, *options_.advise);
+    all_met = all_met && advice.chosen;
+    const std::string input =
+        input_ ? "--input " + shell_word(options_.input) : "--dataset " + specs[k].label();
+    const std::string again =
+        fmt::format("{} {} --seed {} --threads {} --benchmark_filter='%FILTER%'",
+                    shell_word(options_.program), input, options_.context.seed, options_.context.threads);
+    fmt::print(options_.quiet() ? stderr : stdout, "{}", format_advice(advice, *options_.advise, again));
+  }
+  if (outcome_.cells == 0) return finish();
+  return all_met ? exit_expected : exit_failed;
+}
+
+/// One block a dataset is enough for pictures: its smallest.
+void Program::write_pictures() {
+  std::map<std::string, BlockSpec> smallest;
+  for (const BlockSpec& spec : blocks()) {
+    const auto [at, is_new] = smallest.try_emplace(spec.dataset, spec);
+    if (!is_new && spec.n < at->second.n) at->second = spec;
+  }
+  std::error_code error;
+  std::filesystem::create_directories(options_.pictures, error);
+  if (error) throw UsageError(fmt::format("--pictures {}: {}", options_.pictures, error.message()));
+  for (const auto& [name, spec] : smallest) {
+    fmt::print(stderr, "pictures of {}\n", spec.label());
+    task_.pictures(spec, options_.context, options_.pictures);
+  }
+}
+
+void Program::list_cells() {
+  for (BlockSpec& spec : blocks()) {
+    const auto block = open(spec);
+    for (const Cell& cell : cells_of(task_, facts_of(spec, *block), options_.context.threads))
+      if (filter_.matches(cell.name)) fmt::print("{}\n", cell.name), ++outcome_.cells;
+  }
+}
+
+int Program::finish() const {
+  if (outcome_.cells == 0)
+    throw NothingMatched(
+        fmt::format("--benchmark_filter={} matches no cell; --benchmark_list_tests prints them",
+                    options_.benchmark.filter));
+  if (outcome_.failures == 0) return exit_expected;
+  fmt::print(stderr, "{} of {} cells are failures of ours\n", outcome_.failures, outcome_.cells);
+  return exit_failed;
+}
+
+}  // namespace
+
+int run_program(const Task& task, int argc, char** argv) {
+  const std::string name = "bench_" + task.name();
+  try {
+    auto parsed = parse_command_line(task.name(), argc, argv);
+    if (const int* status = std::get_if<int>(&parsed)) return *status;
+    return Program(task, std::move(std::get<Options>(parsed))).run();
+  } catch (const UsageError& e) {
+    fmt::print(stderr, "{}: {}\n", name, e.what());
+    return exit_unusable;
+  } catch (const NothingMatched& e) {
+    fmt::print(stderr, "{}: {}\n", name, e.what());
+    return exit_failed;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "{}: {}\n", name, e.what());
+    return exit_failed;
+  }
+}
+
+}  // namespace treeline::bench

@@ -1,0 +1,39 @@
+// How far a run has come, on stderr: one line that is rewritten on a terminal, one line a block elsewhere.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+namespace treeline::bench {
+
+class Progress {
+ public:
+  /// One weight a block: its share of the work, in any unit.
+  explicit Progress(std::vector<double> weights);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Block k = 0, 1, … starts.
+  void block(std::size_t k, const std::string& label);
+  /// The block is done to this share, at what is named.
+  void step(double share, const std::string& what);
+  /// Takes the line away before something else is printed.
+  void clear();
+
+ private:
+  std::string line(double share) const;
+
+  std::vector<double> weights_;
+  double total_ = 0, before_ = 0;
+  std::size_t k_ = 0;
+  std::string label_;
+  bool terminal_, shown_ = false;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// 75 → "1:15".
+std::string format_seconds(double seconds);
+
+}  // namespace treeline::bench

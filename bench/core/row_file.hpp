@@ -1,0 +1,36 @@
+// The file of rows: append only, one process at a time, each row on disk when add() returns.
+#pragma once
+
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "bench/core/row.hpp"
+
+namespace treeline::bench {
+
+class RowFile {
+ public:
+  /// No file: rows are only counted as finished.
+  RowFile() = default;
+  /// Throws UsageError if the file is not empty and not to be resumed, is in use, or holds what are no rows.
+  /// A last line without an end, as a killed run leaves it, is cut off.
+  RowFile(const std::string& path, bool resume);
+  ~RowFile();
+  RowFile(RowFile&&) noexcept;
+  RowFile& operator=(RowFile&&) noexcept;
+
+  /// The row of this cell if an earlier run wrote it.
+  const Row* finished(const std::string& key) const;
+  /// Throws std::system_error if it cannot be written in full.
+  void add(const Row&);
+
+ private:
+  void read_existing();
+
+  std::string path_;
+  int file_ = -1;
+  std::unordered_map<std::string, Row> finished_;
+};
+
+}  // namespace treeline::bench

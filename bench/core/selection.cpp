@@ -1,0 +1,80 @@
+#include "bench/core/selection.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace treeline::bench {
+namespace {
+
+constexpr std::size_t default_n = 100000;  // of a recipe that the profile does not have
+
+struct Wish {
+  std::string name;
+  std::size_t n = 0;  // 0: not said
+};
+
+Wish parse_wish(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  Wish wish{text.substr(0, colon), 0};
+  if (colon == std::string::npos) return wish;
+  double n = 0;  // so that 1e6 works, too
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, n);
+  if (error != std::errc() || stop != end || !(n >= 1 && n <= 1e9) || n != std::floor(n))
+    throw UsageError(
+        fmt::format("--dataset {}: '{}' is no number of elements", text, text.substr(colon + 1)));
+  wish.n = static_cast<std::size_t>(n);
+  return wish;
+}
+
+std::vector<BlockSpec> hard_of(const Task& task, const std::string& text) {
+  const std::string name = text.starts_with("hard/") ? text.substr(5) : text;
+  std::vector<BlockSpec> out = task.hard_blocks();
+  std::erase_if(out, [&](const BlockSpec& spec) { return spec.dataset != name; });
+  if (out.empty())
+    throw UsageError(fmt::format("--dataset {}: {} has no such hard case (see --list)", text, task.name()));
+  return out;
+}
+
+std::vector<BlockSpec> blocks_of(const Task& task, Profile profile, const std::string& text) {
+  const Wish wish = parse_wish(text);
+  std::vector<BlockSpec> out = task.blocks(profile);
+  const bool in_profile =
+      std::any_of(out.begin(), out.end(), [&](const auto& b) { return b.dataset == wish.name; });
+  if (in_profile && wish.n == 0) {
+    std::erase_if(out, [&](const BlockSpec& spec) { return spec.dataset != wish.name; });
+    return out;
+  }
+  std::vector<std::string> known;
+  for (const datasets::Recipe& recipe : datasets::recipes())
+    if (recipe.kind == task.dataset_kind()) known.push_back(recipe.name);
+  if (!in_profile && std::find(known.begin(), known.end(), wish.name) == known.end())
+    throw UsageError(fmt::format("--dataset {}: {} has no dataset '{}'; it has {}", text, task.name(),
+                                 wish.name, fmt::join(known, ", ")));
+  return {{wish.name, wish.n == 0 ? default_n : wish.n, false}};
+}
+
+}  // namespace
+
+std::vector<BlockSpec> select_blocks(const Task& task, const Options& options) {
+  std::vector<BlockSpec> out;
+  for (const std::string& text : options.datasets) {
+    const auto more = options.stress ? hard_of(task, text) : blocks_of(task, options.context.profile, text);
+    for (const BlockSpec& spec : more)
+      if (std::none_of(out.begin(), out.end(), [&](const auto& b) { return b.label() == spec.label(); }))
+        out.push_back(spec);
+  }
+  if (options.datasets.empty())
+    out = options.stress ? task.hard_blocks() : task.blocks(options.context.profile);
+  if (out.empty()) throw UsageError(task.name() + " has no blocks here");
+  if (options.block == 0) return out;
+  if (options.block > out.size())
+    throw UsageError(fmt::format("--block {}: there are blocks 1 to {}", options.block, out.size()));
+  return {out[options.block - 1]};
+}
+
+}  // namespace treeline::bench

@@ -1,0 +1,80 @@
+#include "bench/core/timing.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace treeline::bench {
+namespace {
+
+std::vector<std::string> profile_flags(Profile profile) {
+  switch (profile) {
+    case Profile::smoke:
+      return {"--benchmark_repetitions=1"};
+    case Profile::quick:
+      return {"--benchmark_min_time=0.05", "--benchmark_repetitions=3"};
+    case Profile::full:
+      return {"--benchmark_min_time=0.2", "--benchmark_repetitions=9"};
+  }
+  return {};
+}
+
+void initialize(Profile profile, const BenchmarkFlags& flags, const std::string& program) {
+  // Google Benchmark keeps pointers into these.
+  static std::vector<std::string> arguments;
+  static std::vector<char*> pointers;
+  arguments = {program, "--benchmark_enable_random_interleaving=true"};
+  for (const std::string& flag : profile_flags(profile)) arguments.push_back(flag);
+  for (const std::string& flag : flags.passed_on) arguments.push_back(flag);
+  pointers.clear();
+  for (std::string& argument : arguments) pointers.push_back(argument.data());
+  int count = static_cast<int>(pointers.size());
+  pointers.push_back(nullptr);
+  benchmark::Initialize(&count, pointers.data());
+  if (count > 1) throw UsageError(std::string("Google Benchmark does not know or cannot use ") + pointers[1]);
+}
+
+}  // namespace
+
+Timer::Timer(Profile profile, const BenchmarkFlags& flags) : once_(profile == Profile::smoke) {
+  initialize(profile, flags, "bench");
+  display_ = std::make_unique<Display>(flags);
+}
+
+void Timer::measure(std::span<TimedCell> cells) {
+  if (cells.empty()) return;
+  for (TimedCell& cell : cells) {
+    auto* registered = benchmark::RegisterBenchmark(cell.name.c_str(), [&cell](benchmark::State& state) {
+      try {
+        for (auto _ : state) cell.run();
+      } catch (const std::exception& e) {
+        cell.error = std::current_exception();
+        state.SkipWithError(e.what());
+      }
+    });
+    registered->UseRealTime()->MeasureProcessCPUTime();
+    if (once_ || cell.once) registered->Iterations(1);
+  }
+  benchmark::RunSpecifiedBenchmarks(display_.get(), nullptr, ".");
+  benchmark::ClearRegisteredBenchmarks();
+  auto found = display_->take();
+  for (TimedCell& cell : cells)
+    if (!cell.error) cell.repetitions = std::move(found[cell.name]);
+}
+
+MedianInterval median_interval(std::vector<double> samples) {
+  if (samples.empty()) return {NAN, NAN, NAN};
+  std::sort(samples.begin(), samples.end());
+  const std::size_t n = samples.size();
+  MedianInterval out{(samples[(n - 1) / 2] + samples[n / 2]) / 2, samples.front(), samples.back()};
+  // The order statistics r and n - 1 - r (from 0) hold the median with probability 1 - 2 P(Bin(n, 1/2) ≤ r).
+  double term = std::pow(0.5, static_cast<double>(n)), below = 0;
+  for (std::size_t r = 0; r < n / 2; ++r) {
+    below += term;
+    if (below > 0.025) break;
+    out.low = samples[r], out.high = samples[n - 1 - r];
+    term *= static_cast<double>(n - r) / static_cast<double>(r + 1);
+  }
+  return out;
+}
+
+}  // namespace treeline::bench

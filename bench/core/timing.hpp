@@ -1,0 +1,44 @@
+// Timing by Google Benchmark: the cells of one query set take turns, repetition by repetition, in random
+// order.
+#pragma once
+
+#include <exception>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bench/core/display.hpp"
+#include "bench/core/options.hpp"
+
+namespace treeline::bench {
+
+struct TimedCell {
+  std::string name;           // unique among the cells timed together
+  std::function<void()> run;  // one batch
+  bool once = false;          // a batch is long: one a repetition
+  // What timing finds:
+  std::vector<Repetition> repetitions;
+  std::exception_ptr error;  // what a run threw; then there are no repetitions
+};
+
+class Timer {
+ public:
+  /// One a program. Throws UsageError for flags that Google Benchmark does not know.
+  Timer(Profile, const BenchmarkFlags&);
+  void measure(std::span<TimedCell>);
+
+ private:
+  bool once_;
+  std::unique_ptr<Display> display_;
+};
+
+/// Median, and the interval that holds the true median with 95 % confidence; lowest and highest for less than
+/// six samples, which cannot promise that much.
+struct MedianInterval {
+  double median = 0, low = 0, high = 0;
+};
+MedianInterval median_interval(std::vector<double> samples);
+
+}  // namespace treeline::bench
