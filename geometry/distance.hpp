@@ -1,8 +1,10 @@
 // Distances from a point to a box and to a triangle.
 //
 // Distances are squared, and those to a triangle are measured to the point that is returned, which lies in
-// the triangle's box. The distance to a box is then never above that to a point or triangle inside it,
-// rounding included: trees may prune on it and still agree with brute force bit by bit.
+// the triangle's box. The differences that enter the distance to a box are then never larger than those that
+// enter the distance to a point in it, rounding included. Only the sums of squares may differ, because
+// compilers may fuse products and sums in one place and not in another: compare them with a slack of gamma(2
+// D).
 #pragma once
 
 #include "geometry/triangle.hpp"

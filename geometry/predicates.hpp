@@ -45,17 +45,16 @@ bool sums_to_zero(const std::array<double, N>& terms) {
 }
 
 /// Whether the projections of three points onto axes x and y lie on one line (in any order, or coincide).
-template <class T>
-bool collinear_in(const Vec<T, 3>& a, const Vec<T, 3>& b, const Vec<T, 3>& c, int x, int y) {
+inline bool collinear_in(const Triangle<double>& t, int x, int y) {
   std::array<double, 12> terms;
   std::size_t n = 0;
   const auto add = [&](double p, double q) {
     const Split s = two_product(p, q);
     terms[n++] = s.value, terms[n++] = s.error;
   };
-  add(a[x], b[y]), add(-double(b[x]), a[y]);
-  add(b[x], c[y]), add(-double(c[x]), b[y]);
-  add(c[x], a[y]), add(-double(a[x]), c[y]);
+  add(t.a[x], t.b[y]), add(-t.b[x], t.a[y]);
+  add(t.b[x], t.c[y]), add(-t.c[x], t.b[y]);
+  add(t.c[x], t.a[y]), add(-t.a[x], t.c[y]);
   return sums_to_zero(terms);
 }
 
@@ -71,9 +70,15 @@ bool is_degenerate(const Triangle<T>& t) {
         tolerance::gamma<T>(8) * (std::abs(m) + std::abs(n)) + std::numeric_limits<T>::min())
       return false;
   }
-  for (int x = 0; x < 3; ++x)
-    if (!collinear_in(t.a, t.b, t.c, x, (x + 1) % 3)) return false;
-  return true;
+  // Scaled by a power of two to coordinates up to 1, so that products neither overflow nor, as a rule,
+  // underflow.
+  double largest = std::numeric_limits<double>::min();
+  for (int k = 0; k < 3; ++k)
+    largest =
+        std::max({largest, std::abs(double(t.a[k])), std::abs(double(t.b[k])), std::abs(double(t.c[k]))});
+  const double scale = std::ldexp(1.0, -std::ilogb(largest));
+  const Triangle<double> scaled{Vec3d(t.a) * scale, Vec3d(t.b) * scale, Vec3d(t.c) * scale};
+  return collinear_in(scaled, 0, 1) && collinear_in(scaled, 1, 2) && collinear_in(scaled, 2, 0);
 }
 
 }  // namespace treeline::geometry

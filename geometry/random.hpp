@@ -5,6 +5,7 @@
 // any number of threads draws the same numbers. Not for cryptography.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <type_traits>
 
@@ -43,7 +44,7 @@ class Pcg32 {
   constexpr T uniform() {
     return unit_interval<T>(next64());
   }
-  template <class T>
+  template <std::floating_point T>
   constexpr T uniform(T low, T high) {
     return low + (high - low) * uniform<T>();
   }

@@ -93,9 +93,9 @@ constexpr std::uint32_t owen_scrambled(std::uint32_t x, std::uint32_t seed) {
 template <class T = double>
 constexpr T sobol_owen(std::uint32_t index, int dimension, std::uint64_t seed) {
   const int block = dimension / sobol_dimensions;
-  if (block > 0) {  // the index's order is shuffled within every power of two
+  if (block > 0) {  // aligned power-of-two runs trade places, at every level
     const auto shuffle = static_cast<std::uint32_t>(hash_u64(seed, 0x100000000ull + block));
-    index = detail::reversed_bits(owen_scrambled(detail::reversed_bits(index), shuffle));
+    index = owen_scrambled(index, shuffle);
   }
   const auto scramble = static_cast<std::uint32_t>(hash_u64(seed, dimension));
   const std::uint32_t bits = owen_scrambled(sobol_bits(index, dimension % sobol_dimensions), scramble);
