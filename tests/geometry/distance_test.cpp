@@ -5,6 +5,7 @@
 #include <rapidcheck.h>
 
 #include "geometry/sobol.hpp"
+#include "geometry/tolerances.hpp"
 #include "tests/geometry/meshes.hpp"
 
 namespace treeline::test {
