@@ -1,0 +1,18 @@
+// Our BSP tree.
+#include "accel/bsp_tree.hpp"
+
+#include "bench/ray/tree_index.hpp"
+
+namespace treeline::bench::ray {
+namespace {
+
+const bool registered = Registry<Method>::instance().add(
+    {.info = {.name = "bsp_tree",
+              .family = "bsp",
+              .claim = Claim::bounded,  // with the watertight test; see claim_of()
+              .build_knobs = tree_knobs({8}),
+              .ladder = 30},
+     .build = build_tree<accel::BspTree>});
+
+}  // namespace
+}  // namespace treeline::bench::ray

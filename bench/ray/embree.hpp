@@ -1,0 +1,137 @@
+// What the Embree methods share: one device and one committed scene a build, and the rules its manual asks
+// for.
+//
+// Embree 3 and 4 differ here only in the context argument, hidden in Query below.
+// - frequency_level=simd256: on Skylake-class servers the default is simd128 (4-wide nodes), which is slower;
+// on
+//   others simd256 is the default already, and without AVX2 the setting is left away.
+// - FTZ and DAZ are set in the calling threads while they cast rays, and put back afterwards.
+// - Triangles that are not finite are filtered by Embree itself; ids stay those of the faces.
+#pragma once
+
+#if TREELINE_EMBREE_MAJOR >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+#include <xmmintrin.h>
+
+#include <cstring>
+#include <string>
+
+#include "bench/core/registry.hpp"
+#include "bench/ray/method.hpp"
+
+namespace treeline::bench::ray {
+
+/// Sets flush-to-zero and denormals-are-zero in this thread for as long as it lives.
+class FlushDenormals {
+ public:
+  FlushDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | 0x8040u); }
+  ~FlushDenormals() { _mm_setcsr(saved_); }
+  FlushDenormals(const FlushDenormals&) = delete;
+  FlushDenormals& operator=(const FlushDenormals&) = delete;
+
+ private:
+  unsigned saved_;
+};
+
+class EmbreeScene {
+ public:
+  /// Knobs: quality (low, medium, high) and robust (true, false).
+  EmbreeScene(const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) {
+    std::string config = "threads=" + std::to_string(threads) + ",set_affinity=0";
+    if (__builtin_cpu_supports("avx2")) config += ",frequency_level=simd256";
+    device_ = rtcNewDevice(config.c_str());
+    if (!device_) throw std::runtime_error("Embree gave no device");
+    scene_ = rtcNewScene(device_);
+    rtcSetSceneBuildQuality(scene_, quality_of(knobs.at("quality").get<std::string>()));
+    rtcSetSceneFlags(scene_, knobs.value("robust", false) ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+    const RTCGeometry triangles = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetGeometryBuildQuality(triangles, quality_of(knobs.at("quality").get<std::string>()));
+    if (void* vertices = rtcSetNewGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                 sizeof(geometry::Vec3f), mesh.vertices.size());
+        vertices && !mesh.vertices.empty())
+      std::memcpy(vertices, mesh.vertices.data(), mesh.vertices.size() * sizeof(geometry::Vec3f));
+    if (void* faces = rtcSetNewGeometryBuffer(triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                              sizeof(geometry::Mesh3f::Face), mesh.faces.size());
+        faces && !mesh.faces.empty())
+      std::memcpy(faces, mesh.faces.data(), mesh.faces.size() * sizeof(geometry::Mesh3f::Face));
+    rtcCommitGeometry(triangles);
+    rtcAttachGeometry(scene_, triangles);
+    rtcReleaseGeometry(triangles);
+    rtcCommitScene(scene_);
+    if (const RTCError error = rtcGetDeviceError(device_); error != RTC_ERROR_NONE) {
+      release();
+      throw std::runtime_error("Embree refused the mesh, error " + std::to_string(error));
+    }
+  }
+  ~EmbreeScene() { release(); }
+  EmbreeScene(const EmbreeScene&) = delete;
+  EmbreeScene& operator=(const EmbreeScene&) = delete;
+
+  RTCScene scene() const { return scene_; }
+  RTCDevice device() const { return device_; }
+
+ private:
+  static RTCBuildQuality quality_of(const std::string& name) {
+    if (name == "low") return RTC_BUILD_QUALITY_LOW;
+    if (name == "medium") return RTC_BUILD_QUALITY_MEDIUM;
+    if (name == "high") return RTC_BUILD_QUALITY_HIGH;
+    throw std::invalid_argument("knob quality is '" + name + "'; it must be low, medium or high");
+  }
+  void release() { rtcReleaseScene(scene_), rtcReleaseDevice(device_); }
+
+  RTCDevice device_ = nullptr;
+  RTCScene scene_ = nullptr;
+};
+
+/// The per-call argument that tells Embree whether rays are coherent.
+class EmbreeCall {
+ public:
+  explicit EmbreeCall(bool coherent) {
+#if TREELINE_EMBREE_MAJOR >= 4
+    rtcInitIntersectArguments(&intersect), rtcInitOccludedArguments(&occluded);
+    const RTCRayQueryFlags flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+    intersect.flags = occluded.flags = flags;
+#else
+    rtcInitIntersectContext(&context);
+    context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+#endif
+  }
+
+#if TREELINE_EMBREE_MAJOR >= 4
+  RTCIntersectArguments intersect;
+  RTCOccludedArguments occluded;
+  void operator()(RTCScene s, RTCRayHit& r) { rtcIntersect1(s, &r, &intersect); }
+  void operator()(RTCScene s, RTCRay& r) { rtcOccluded1(s, &r, &occluded); }
+  void operator()(const int* valid, RTCScene s, RTCRayHit8& r) { rtcIntersect8(valid, s, &r, &intersect); }
+  void operator()(const int* valid, RTCScene s, RTCRay8& r) { rtcOccluded8(valid, s, &r, &occluded); }
+  void operator()(const int* valid, RTCScene s, RTCRayHit16& r) { rtcIntersect16(valid, s, &r, &intersect); }
+  void operator()(const int* valid, RTCScene s, RTCRay16& r) { rtcOccluded16(valid, s, &r, &occluded); }
+#else
+  RTCIntersectContext context;
+  void operator()(RTCScene s, RTCRayHit& r) { rtcIntersect1(s, &context, &r); }
+  void operator()(RTCScene s, RTCRay& r) { rtcOccluded1(s, &context, &r); }
+  void operator()(const int* valid, RTCScene s, RTCRayHit8& r) { rtcIntersect8(valid, s, &context, &r); }
+  void operator()(const int* valid, RTCScene s, RTCRay8& r) { rtcOccluded8(valid, s, &context, &r); }
+  void operator()(const int* valid, RTCScene s, RTCRayHit16& r) { rtcIntersect16(valid, s, &context, &r); }
+  void operator()(const int* valid, RTCScene s, RTCRay16& r) { rtcOccluded16(valid, s, &context, &r); }
+#endif
+};
+
+/// Quality × robust. High with robust is left out: robust silently drops the spatial splits that make it
+/// high.
+inline std::vector<Knobs> embree_builds(bool with_robust) {
+  std::vector<Knobs> all;
+  for (const char* quality : {"medium", "low", "high"})
+    all.push_back(Knobs{{"quality", quality}, {"robust", false}});
+  if (with_robust)
+    for (const char* quality : {"medium", "low"})
+      all.push_back(Knobs{{"quality", quality}, {"robust", true}});
+  return all;
+}
+
+inline std::string embree_version() { return RTC_VERSION_STRING; }
+
+}  // namespace treeline::bench::ray

@@ -1,0 +1,243 @@
+#include "bench/ray/judge.hpp"
+
+#include <numbers>
+
+#include "geometry/distance.hpp"
+#include "geometry/tolerances.hpp"
+
+namespace treeline::bench::ray {
+namespace {
+
+using accel::Id;
+using geometry::Rayd;
+using geometry::Triangle3d;
+using geometry::Vec3d;
+
+constexpr int directions = 16;
+constexpr double radii[] = {1.0, 0.5, 0.25};
+constexpr double eps_factor = 32;
+
+/// The ray moved sideways: itself, then parallels on circles of radius up to eps.
+std::vector<Rayd> moved_rays(const Rayd& ray, double eps) {
+  const Vec3d d = geometry::normalized(ray.direction);
+  Vec3d axis{};
+  axis[std::abs(d[0]) < 0.6 ? 0 : 1] = 1;
+  const Vec3d x = geometry::normalized(geometry::cross(d, axis)), y = geometry::cross(d, x);
+  std::vector<Rayd> rays{ray};
+  for (const double radius : radii)
+    for (int i = 0; i < directions; ++i) {
+      const double angle = 2 * std::numbers::pi * i / directions;
+      Rayd moved = ray;
+      moved.origin += (x * std::cos(angle) + y * std::sin(angle)) * (radius * eps);
+      rays.push_back(moved);
+    }
+  return rays;
+}
+
+/// Squared distance of two segments (Ericson 2005, section 5.1.9).
+double segment_distance2(const Vec3d& a0, const Vec3d& a1, const Vec3d& b0, const Vec3d& b1) {
+  const Vec3d a = a1 - a0, b = b1 - b0, gap = a0 - b0;
+  const double aa = geometry::dot(a, a), bb = geometry::dot(b, b), ab = geometry::dot(a, b);
+  const double ag = geometry::dot(a, gap), bg = geometry::dot(b, gap);
+  const auto share = [](double x, double whole) { return whole > 0 ? std::clamp(x / whole, 0.0, 1.0) : 0.0; };
+  double s = share(ab * bg - ag * bb, aa * bb - ab * ab);
+  double u = bb > 0 ? (ab * s + bg) / bb : 0;
+  if (u < 0)
+    u = 0, s = share(-ag, aa);
+  else if (u > 1)
+    u = 1, s = share(ab - ag, aa);
+  return geometry::distance2(a0 + a * s, b0 + b * u);
+}
+
+bool usable(const Rayd& r) {
+  return geometry::is_finite(r.origin) && geometry::is_finite(r.direction) &&
+         geometry::length2(r.direction) > 0 && !std::isnan(r.t_min) && !std::isnan(r.t_max);
+}
+
+}  // namespace
+
+struct Judge::Case {
+  Rayd ray;
+  double eps, speed;  // speed: length of the direction
+  std::vector<Rayd> moved;
+
+  Case(const geometry::Rayf& r, double eps)
+      : ray{Vec3d(r.origin), Vec3d(r.direction), double(r.t_min), double(r.t_max)},
+        eps(eps),
+        speed(geometry::length(ray.direction)) {}
+  /// What t may be off by: eps as a length, and the rounding of t to float.
+  double slack(double t) const {
+    return eps / speed + geometry::tolerance::unit_roundoff<float> * (std::isfinite(t) ? std::abs(t) : 0);
+  }
+  void move() {
+    if (moved.empty()) moved = moved_rays(ray, eps);
+  }
+};
+
+Judge::Judge(const geometry::Mesh3f& mesh, double unit_roundoff)
+    : mesh_(mesh), unit_roundoff_(unit_roundoff) {
+  for (const auto& face : mesh.faces)
+    for (const auto vertex : face)
+      for (int axis = 0; axis < 3; ++axis)
+        if (const double x = std::abs(mesh.vertices[vertex][axis]); std::isfinite(x))
+          largest_ = std::max(largest_, x);
+}
+
+double Judge::eps(const geometry::Rayf& ray) const {
+  double largest = largest_;
+  for (int axis = 0; axis < 3; ++axis) largest = std::max(largest, double(std::abs(ray.origin[axis])));
+  return eps_factor * unit_roundoff_ * largest;
+}
+
+const std::vector<Id>& Judge::near(std::size_t ray_number, const Case& c) {
+  const auto [it, fresh] = near_.try_emplace(ray_number);
+  if (fresh) it->second = faces_near(mesh_, c.ray, 2 * c.eps);
+  return it->second;
+}
+
+/// Condition B: does some moved ray meet nothing in between?
+bool Judge::passes(const Case& c, std::span<const Id> faces, double t_from, double t_to) const {
+  if (!(t_from <= t_to)) return true;
+  for (Rayd ray : c.moved) {
+    ray.t_min = t_from, ray.t_max = t_to;
+    if (!exact_closest(mesh_, faces, ray)) return true;
+  }
+  return false;
+}
+
+/// Is every face that the ray meets in between missed by some moved ray, each face by a ray of its own?
+bool Judge::slips(const Case& c, std::span<const Id> faces, double t_from, double t_to) const {
+  for (const Id face : faces) {
+    Rayd ray = c.ray;
+    ray.t_min = t_from, ray.t_max = t_to;
+    const std::span<const Id> alone(&face, 1);
+    if (exact_closest(mesh_, alone, ray) && !passes(c, alone, t_from, t_to)) return false;
+  }
+  return true;
+}
+
+/// Condition A.
+bool Judge::on_face(const Case& c, Id face, double t) const {
+  if (face >= mesh_.size() || !geometry::is_finite(mesh_.triangle(face))) return false;
+  if (!(t >= c.ray.t_min - c.slack(t) && t <= c.ray.t_max + c.slack(t))) return false;
+  const double reach = c.slack(t) * c.speed;
+  return geometry::closest_point_on_triangle(c.ray.at(t), Triangle3d(mesh_.triangle(face))).distance2 <=
+         reach * reach;
+}
+
+/// Does the triangle, which the ray misses, come within eps of it? The nearest point is on an edge or at an
+/// end.
+bool Judge::touches(const Case& c, Id face) const {
+  const Triangle3d t(mesh_.triangle(face));
+  const double from = c.ray.t_min - c.slack(c.ray.t_min);
+  double to = c.ray.t_max + c.slack(c.ray.t_max);
+  if (!std::isfinite(to))  // past the triangle is far enough
+    to = from + (geometry::distance(c.ray.at(from), t.a) + geometry::distance(t.a, t.b) +
+                 geometry::distance(t.a, t.c)) /
+                    c.speed;
+  const Vec3d begin = c.ray.at(from), end = c.ray.at(to);
+  const double eps2 = c.eps * c.eps;
+  return geometry::closest_point_on_triangle(begin, t).distance2 <= eps2 ||
+         geometry::closest_point_on_triangle(end, t).distance2 <= eps2 ||
+         segment_distance2(begin, end, t.a, t.b) <= eps2 || segment_distance2(begin, end, t.b, t.c) <= eps2 ||
+         segment_distance2(begin, end, t.c, t.a) <= eps2;
+}
+
+bool Judge::on_plane(const Case& c, Id face, double t) const {
+  if (face >= mesh_.size() || !geometry::is_finite(mesh_.triangle(face))) return false;
+  const Triangle3d triangle(mesh_.triangle(face));
+  const Vec3d n = triangle.area_normal();
+  if (!(std::abs(geometry::dot(n, c.ray.at(t) - triangle.a)) <= c.slack(t) * c.speed * geometry::length(n)))
+    return false;
+  const std::span<const Id> alone(&face, 1);
+  for (const Rayd& ray : c.moved)
+    if (exact_closest(mesh_, alone, ray)) return true;
+  return false;
+}
+
+Judged Judge::closest(std::size_t ray_number, const geometry::Rayf& ray, const TrueHit& truth,
+                      const RayAnswer& answer) {
+  Case c(ray, eps(ray));
+  const bool hit = static_cast<bool>(answer);
+  if (!hit && !truth) return {};
+  if (!usable(c.ray) || (hit && !std::isfinite(answer.t))) return {Verdict::false_hit, false, 1, 0};
+  const double t = hit ? double(answer.t) : std::numeric_limits<double>::infinity();
+
+  Judged judged;
+  if (hit && truth) {
+    // An absolute floor of s keeps hits at the origin of the ray from dividing by nothing.
+    judged.signed_error = (t - truth.t) / std::max(truth.t, c.eps / c.speed);
+    judged.error = std::min(1.0, std::abs(judged.signed_error));
+    if (std::abs(t - truth.t) <= c.slack(truth.t)) {
+      if (answer.primitive == truth.primitive || on_face(c, answer.primitive, t)) return judged;
+      judged.verdict = Verdict::wrong_primitive;
+      return judged;
+    }
+  }
+
+  c.move();
+  const auto& faces = near(ray_number, c);
+  const double end = hit ? t : c.ray.t_max;
+  const double from = c.ray.t_min + c.slack(c.ray.t_min), to = end - c.slack(end);
+  if ((!hit || on_face(c, answer.primitive, t)) && passes(c, faces, from, to)) {
+    judged.verdict = Verdict::borderline;
+    // Another surface than the true one, or none: what is left to measure is how far off that surface the
+    // answer is.
+    if (!hit || !truth || answer.primitive != truth.primitive) {
+      judged.signed_error = 0;
+      judged.error = 0;
+      if (hit) {
+        const auto point = c.ray.at(t);
+        const auto foot =
+            geometry::closest_point_on_triangle(point, Triangle3d(mesh_.triangle(answer.primitive)));
+        judged.error = std::min(
+            1.0, std::sqrt(foot.distance2) / std::max(geometry::distance(point, c.ray.origin), c.eps));
+      }
+    }
+    return judged;
+  }
+  const bool real = hit && on_plane(c, answer.primitive, t);
+  if (hit && truth && answer.primitive == truth.primitive)
+    judged.verdict = Verdict::wrong_t;
+  else
+    judged.verdict = hit && t < truth.t ? Verdict::false_hit : Verdict::false_miss;
+  if (judged.verdict != Verdict::wrong_t) judged.error = 1, judged.signed_error = 0;
+  judged.excused = (!hit || real) && slips(c, faces, from, to);
+  return judged;
+}
+
+Judged Judge::any(std::size_t ray_number, const geometry::Rayf& ray, const TrueHit& truth, bool answer) {
+  if (answer == static_cast<bool>(truth)) return {};
+  Case c(ray, eps(ray));
+  if (!usable(c.ray)) return {Verdict::false_hit, false, 1, 0};
+  c.move();
+  const auto& faces = near(ray_number, c);
+  if (!answer) {
+    const double from = c.ray.t_min + c.slack(c.ray.t_min), to = c.ray.t_max - c.slack(c.ray.t_max);
+    if (passes(c, faces, from, to)) return {Verdict::borderline, false, 0, 0};
+    return {Verdict::false_miss, slips(c, faces, from, to), 1, 0};
+  }
+  for (const Id face : faces)
+    if (touches(c, face)) return {Verdict::borderline, false, 0, 0};
+  return {Verdict::false_hit, false, 1, 0};
+}
+
+std::string_view to_string(Verdict v) {
+  switch (v) {
+    case Verdict::right:
+      return "right";
+    case Verdict::borderline:
+      return "borderline";
+    case Verdict::false_hit:
+      return "false hit";
+    case Verdict::false_miss:
+      return "false miss";
+    case Verdict::wrong_t:
+      return "wrong t";
+    case Verdict::wrong_primitive:
+      return "wrong primitive";
+  }
+  return "?";
+}
+
+}  // namespace treeline::bench::ray

@@ -1,0 +1,18 @@
+// Our KD tree.
+#include "accel/kd_tree.hpp"
+
+#include "bench/ray/tree_index.hpp"
+
+namespace treeline::bench::ray {
+namespace {
+
+const bool registered = Registry<Method>::instance().add(
+    {.info = {.name = "kd_tree",
+              .family = "kd",
+              .claim = Claim::bounded,  // with the watertight test; see claim_of()
+              .build_knobs = tree_knobs({8, 4}),
+              .ladder = 20},
+     .build = build_tree<accel::KdTree>});
+
+}  // namespace
+}  // namespace treeline::bench::ray

@@ -1,0 +1,246 @@
+#include "bench/ray/pictures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+
+#include "accel/bvh.hpp"
+#include "bench/ray/block.hpp"
+#include "bench/ray/judge.hpp"
+#include "bench/ray/png.hpp"
+#include "bench/ray/queries.hpp"
+#include "bench/ray/slice_svg.hpp"
+#include "geometry/tolerances.hpp"
+
+namespace treeline::bench::ray {
+namespace {
+
+using geometry::Rayf;
+using geometry::Vec3d;
+using shading::Image;
+
+constexpr int width = 480, height = 360;
+constexpr std::array<double, 3> background{0.10, 0.11, 0.13};
+constexpr std::array<double, 3> false_colour{1.0, 0.0, 0.9}, borderline_colour{1.0, 0.75, 0.0};
+
+/// The folder's index, one object a picture.
+class Gallery {
+ public:
+  Gallery(std::string folder, std::string dataset)
+      : folder_(std::move(folder)), dataset_(std::move(dataset)) {
+    std::filesystem::create_directories(folder_);
+  }
+  std::string file(const std::string& what) const { return "ray_" + dataset_ + "_" + what; }
+  std::string path(const std::string& what) const {
+    return (std::filesystem::path(folder_) / file(what)).string();
+  }
+  void add(const std::string& what, const std::string& title, const std::string& method,
+           const std::string& kind) {
+    std::ofstream index(std::filesystem::path(folder_) / "pictures.jsonl", std::ios::app);
+    index << nlohmann::ordered_json{{"task", "ray"},       {"file", file(what)}, {"title", title},
+                                    {"dataset", dataset_}, {"method", method},   {"kind", kind}}
+                 .dump()
+          << '\n';
+    if (!index) throw std::runtime_error(folder_ + "/pictures.jsonl cannot be written");
+  }
+  void add_png(const std::string& what, const Image& image, const std::string& title,
+               const std::string& method, const std::string& kind) {
+    if (write_png(path(what + ".png"), image)) add(what + ".png", title, method, kind);
+  }
+
+ private:
+  std::string folder_, dataset_;
+};
+
+/// A mesh seen by the camera, with the true hit of each pixel.
+struct View {
+  const geometry::Mesh3f& mesh;
+  std::vector<Rayf> rays;
+  std::vector<TrueHit> truth;
+};
+
+/// The truth of a picture has too many rays for brute force: a tree over doubles answers, and brute force
+/// must agree with it on a sample of pixels.
+View look_at(const geometry::Mesh3f& mesh, int threads) {
+  View view{mesh, {}, {}};
+  const Camera camera = frame(mesh, double(width) / height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) view.rays.push_back(camera.ray((x + 0.5) / width, (y + 0.5) / height));
+
+  geometry::Mesh3d wide;
+  wide.faces = mesh.faces;
+  for (const auto& v : mesh.vertices) wide.vertices.push_back(Vec3d(v));
+  using Tree = accel::Bvh<accel::Triangles<double>>;
+  Tree::Options options;
+  options.non_finite = accel::NonFinite::drop;
+  const Tree tree(wide, options);
+  std::vector<geometry::Rayd> rays;
+  for (const Rayf& r : view.rays) rays.push_back({Vec3d(r.origin), Vec3d(r.direction)});
+  std::vector<accel::Hit<double>> hits(rays.size());
+  tree.closest_hit(rays, hits, threads);
+  for (const auto& hit : hits) view.truth.push_back({hit.t, hit.primitive});
+
+  const std::size_t samples =
+      std::clamp<std::size_t>(50'000'000 / std::max<std::size_t>(mesh.size(), 1), 16, 512);
+  std::vector<Rayf> sample;
+  std::vector<std::size_t> pixels;
+  for (std::size_t i = 0; i < samples; ++i) pixels.push_back((2 * i + 1) * view.rays.size() / (2 * samples));
+  for (const std::size_t p : pixels) sample.push_back(view.rays[p]);
+  const auto witness = true_closest(mesh, sample, threads);
+  for (std::size_t i = 0; i < samples; ++i) {
+    const TrueHit& seen = view.truth[pixels[i]];
+    const double tolerance = 1e-9 * std::max(1.0, witness[i].t);
+    if (static_cast<bool>(seen) != static_cast<bool>(witness[i]) ||
+        (seen && std::abs(seen.t - witness[i].t) > tolerance))
+      throw std::logic_error("the picture's truth disagrees with brute force at pixel " +
+                             std::to_string(pixels[i]));
+  }
+  return view;
+}
+
+void set(Image& image, std::size_t pixel, const std::array<double, 3>& colour) {
+  for (std::size_t c = 0; c < 3; ++c) image.values[3 * pixel + c] = static_cast<float>(colour[c]);
+}
+
+/// Normals as colours, darker the more the surface turns away.
+Image normals(const View& view, bool grey) {
+  Image image(width, height, 3);
+  for (std::size_t p = 0; p < view.rays.size(); ++p) {
+    set(image, p, background);
+    if (!view.truth[p]) continue;
+    Vec3d n =
+        geometry::normalized(geometry::Triangle3d(view.mesh.triangle(view.truth[p].primitive)).area_normal());
+    const double facing = geometry::dot(n, geometry::normalized(Vec3d(view.rays[p].direction)));
+    if (facing > 0) n = -n;
+    const double light = 0.35 + 0.65 * std::abs(facing);
+    if (grey)
+      set(image, p, {0.7 * light, 0.7 * light, 0.7 * light});
+    else
+      set(image, p, {light * (0.5 + 0.5 * n[0]), light * (0.5 + 0.5 * n[1]), light * (0.5 + 0.5 * n[2])});
+  }
+  return image;
+}
+
+Image depths(const View& view) {
+  double near = std::numeric_limits<double>::infinity(), far = 0;
+  for (const TrueHit& hit : view.truth)
+    if (hit) near = std::min(near, hit.t), far = std::max(far, hit.t);
+  Image image(width, height, 3);
+  for (std::size_t p = 0; p < view.truth.size(); ++p) {
+    set(image, p, background);
+    if (!view.truth[p]) continue;
+    const double nearness = far > near ? (far - view.truth[p].t) / (far - near) : 1;
+    const double shade = 0.2 + 0.8 * nearness;
+    set(image, p, {shade, shade, shade});
+  }
+  return image;
+}
+
+/// A pixel is hard to see: a plus of five marks it.
+void mark(Image& image, std::size_t pixel, const std::array<double, 3>& colour) {
+  const int x = static_cast<int>(pixel) % width, y = static_cast<int>(pixel) / width;
+  for (const auto& [dx, dy] : {std::pair(0, 0), {1, 0}, {-1, 0}, {0, 1}, {0, -1}})
+    if (x + dx >= 0 && x + dx < width && y + dy >= 0 && y + dy < height)
+      set(image, static_cast<std::size_t>((y + dy) * width + x + dx), colour);
+}
+
+/// Builds that share a picture: their wrong pixels are laid over each other.
+struct Group {
+  std::string name, title;
+  bool (*contains)(const MethodInfo&, const Knobs&);
+};
+
+const std::array<Group, 4> groups{{
+    {"ours_watertight", "our trees, watertight",
+     [](const MethodInfo& i, const Knobs& k) {
+       return i.source == Source::ours && claim_of(i, k) == Claim::bounded;
+     }},
+    {"ours_moller_trumbore", "our trees, Möller–Trumbore",
+     [](const MethodInfo& i, const Knobs& k) {
+       return i.source == Source::ours && claim_of(i, k) != Claim::bounded;
+     }},
+    {"embree", "Embree, single rays and packets",
+     [](const MethodInfo& i, const Knobs&) { return i.name.starts_with("embree"); }},
+    {"cgal", "CGAL's AABB tree",
+     [](const MethodInfo& i, const Knobs&) { return i.name.starts_with("cgal"); }},
+}};
+
+/// The first build of each method that falls into the group.
+void draw_disagreement(const Group& group, const std::vector<Method>& methods, const View& view, int threads,
+                       Gallery& gallery) {
+  Image image = normals(view, true);
+  Judge judge(view.mesh, geometry::tolerance::unit_roundoff<float>);
+  std::vector<Verdict> worst(view.rays.size(), Verdict::right);
+  std::string names;
+  for (const Method& method : methods) {
+    if (view.mesh.size() > method.info.largest_n) continue;
+    const auto& builds = method.info.build_knobs;
+    const auto build =
+        std::ranges::find_if(builds, [&](const Knobs& k) { return group.contains(method.info, k); });
+    if (build == builds.end()) continue;
+    std::vector<RayAnswer> answers(view.rays.size());
+    try {
+      method.build(view.mesh, *build, threads)
+          ->closest(view.rays, answers, method.info.query_knobs.front(), threads);
+    } catch (const Unsupported&) {
+      continue;
+    }
+    names += (names.empty() ? "" : ", ") + method.info.name;
+    for (std::size_t p = 0; p < answers.size(); ++p) {
+      const Verdict v = judge.closest(p, view.rays[p], view.truth[p], answers[p]).verdict;
+      if (v != Verdict::right && (worst[p] == Verdict::right || v != Verdict::borderline)) worst[p] = v;
+    }
+  }
+  if (names.empty()) return;
+  const auto borderline = std::ranges::count(worst, Verdict::borderline);
+  const auto wrong = std::ranges::count_if(worst, [](Verdict v) { return v > Verdict::borderline; });
+  for (std::size_t p = 0; p < worst.size(); ++p)
+    if (worst[p] == Verdict::borderline) mark(image, p, borderline_colour);
+  for (std::size_t p = 0; p < worst.size(); ++p)
+    if (worst[p] > Verdict::borderline) mark(image, p, false_colour);
+  gallery.add_png("disagreement_" + group.name, image,
+                  group.title + " (" + names + "): of " + std::to_string(worst.size()) + " pixels " +
+                      std::to_string(wrong) + " false (magenta), " + std::to_string(borderline) +
+                      " borderline (amber)",
+                  names, "disagreement");
+}
+
+/// Trees of a few thousand triangles have cells that can be told apart.
+constexpr std::size_t largest_sliced = 3000;
+
+void draw_slices(const std::vector<Method>& methods, const BlockSpec& spec, const RunContext& context,
+                 Gallery& gallery) {
+  const auto dataset = datasets::generate(spec.dataset, std::min(spec.n, largest_sliced), context.seed);
+  const auto box = dataset.mesh.box();
+  for (const Method& method : methods) {
+    if (method.info.source != Source::ours || method.info.family == "brute") continue;
+    const auto index = method.build(dataset.mesh, method.info.build_knobs.front(), context.threads);
+    const auto cells = index->slice(1, double(box.centre()[1]));
+    if (cells.empty()) continue;
+    const std::string what = "slice_" + method.info.name + ".svg";
+    write_slice_svg(gallery.path(what), cells);
+    gallery.add(what,
+                method.info.name + " over " + std::to_string(dataset.size()) + " triangles of " +
+                    spec.dataset + ", cut through the middle: " + std::to_string(cells.size()) +
+                    " leaves, darker where deeper",
+                method.info.name, "slice");
+  }
+}
+
+}  // namespace
+
+void draw_pictures(const std::vector<Method>& methods, const BlockSpec& spec, const RunContext& context,
+                   const std::string& folder) {
+  if (spec.hard) return;
+  Gallery gallery(folder, spec.dataset);
+  const auto dataset = datasets::generate(spec.dataset, spec.n, context.seed);
+  const View view = look_at(dataset.mesh, context.threads);
+  const std::string of = spec.dataset + ", " + std::to_string(dataset.size()) + " triangles";
+  gallery.add_png("normals", normals(view, false), of + ": normals", "bvh", "normals");
+  gallery.add_png("depth", depths(view), of + ": depth, near is light", "bvh", "depth");
+  for (const Group& group : groups) draw_disagreement(group, methods, view, context.threads, gallery);
+  draw_slices(methods, spec, context, gallery);
+}
+
+}  // namespace treeline::bench::ray

@@ -1,0 +1,117 @@
+#include "bench/ray/task.hpp"
+
+#include <algorithm>
+
+#include "bench/core/registry.hpp"
+#include "bench/ray/block.hpp"
+#include "bench/ray/pictures.hpp"
+#include "datasets_gen/hard/hard_case.hpp"
+
+namespace treeline::bench::ray {
+namespace {
+
+using datasets::Dataset;
+
+std::size_t rays_per_set(Profile profile) {
+  switch (profile) {
+    case Profile::smoke:
+      return 256;
+    case Profile::quick:
+      return 4096;
+    case Profile::full:
+      return 65536;
+  }
+  return 0;
+}
+
+/// Rays a set that are judged: as many as brute force answers in a second or two.
+std::size_t judged_rays(std::size_t n, Profile profile) {
+  const double tests = profile == Profile::full ? 2e9 : 4e8;
+  return std::clamp(static_cast<std::size_t>(tests / static_cast<double>(std::max<std::size_t>(n, 1))),
+                    std::size_t{128}, std::size_t{8192});
+}
+
+datasets::HardCase hard_case(const std::string& name) {
+  for (auto& c : datasets::hard_cases())
+    if (c.name == name && !c.for_points()) return c;
+  throw std::invalid_argument("no hard case for rays is called '" + name + "'");
+}
+
+std::unique_ptr<Block> open_hard(const std::string& name, const RunContext& context, int version,
+                                 const std::vector<Method>& methods) {
+  datasets::HardCase c = hard_case(name);
+  Dataset dataset;
+  dataset.kind = datasets::Kind::mesh;
+  dataset.mesh = std::move(c.mesh);
+  BlockInput input;
+  input.dataset_hash = dataset.hash();
+  input.mesh = std::move(dataset.mesh);
+  input.sets = {{"closest", false, c.rays, 0}, {"any", true, c.rays, 0}};
+  input.seed = context.seed;
+  input.from_inside = c.from_inside;
+  input.threads = 1;  // hard cases run in children of a fork: no thread pool here
+  input.truth_cache = context.truth_cache;
+  input.version = version;
+  return std::make_unique<RayBlock>(std::move(input), methods);
+}
+
+}  // namespace
+
+RayTask::RayTask() : methods_(Registry<Method>::instance().in_order_of(TREELINE_TASK_METHODS)) {
+  for (const Method& m : methods_) infos_.push_back(m.info);
+}
+
+std::vector<std::pair<std::string, std::string>> RayTask::not_built() const {
+  return parse_not_built(TREELINE_TASK_NOT_BUILT);
+}
+
+std::vector<BlockSpec> RayTask::blocks(Profile profile) const {
+  if (profile == Profile::smoke) return {{"icosphere", 1'000}, {"forest", 1'000}};
+  std::vector<BlockSpec> blocks;
+  for (const auto& recipe : datasets::recipes()) {
+    if (recipe.kind != datasets::Kind::mesh) continue;
+    const bool scales = recipe.name == "icosphere" || recipe.name == "architecture";
+    for (const std::size_t n : {1'000, 10'000, 100'000, 1'000'000, 10'000'000}) {
+      const bool quick = n == 100'000 || (scales && (n == 10'000 || n == 1'000'000));
+      if (profile == Profile::full || quick) blocks.push_back({recipe.name, n});
+    }
+  }
+  return blocks;
+}
+
+std::vector<BlockSpec> RayTask::hard_blocks() const {
+  std::vector<BlockSpec> blocks;
+  for (const auto& c : datasets::hard_cases())
+    if (!c.for_points()) blocks.push_back({c.name, 0, true});
+  return blocks;
+}
+
+std::unique_ptr<Block> RayTask::open(const BlockSpec& spec, const RunContext& context) const {
+  if (spec.hard) return open_hard(spec.dataset, context, version(), methods_);
+  return open(datasets::generate(spec.dataset, spec.n, context.seed), context);
+}
+
+std::unique_ptr<Block> RayTask::open(Dataset dataset, const RunContext& context) const {
+  if (dataset.kind != datasets::Kind::mesh)
+    throw std::invalid_argument("'" + dataset.name +
+                                "' is a point cloud; the task ray needs a mesh of triangles");
+  if (dataset.mesh.faces.empty())
+    throw std::invalid_argument("'" + dataset.name +
+                                "' has no triangles; the task ray needs a mesh of triangles");
+  BlockInput input;
+  input.dataset_hash = dataset.hash();
+  input.sets = make_ray_sets(dataset.mesh, rays_per_set(context.profile), context.seed, context.threads);
+  input.seed = dataset.seed;
+  input.judged = judged_rays(dataset.mesh.size(), context.profile);
+  input.mesh = std::move(dataset.mesh);
+  input.threads = context.threads;
+  input.truth_cache = context.truth_cache;
+  input.version = version();
+  return std::make_unique<RayBlock>(std::move(input), methods_);
+}
+
+void RayTask::pictures(const BlockSpec& spec, const RunContext& context, const std::string& folder) const {
+  draw_pictures(methods_, spec, context, folder);
+}
+
+}  // namespace treeline::bench::ray

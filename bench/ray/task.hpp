@@ -1,0 +1,51 @@
+// Task `ray`: what does a ray hit first in a mesh, and does it hit anything at all?
+//
+// Queries: queries.hpp; on hard cases the rays of the case, as `closest` and as `any`.
+// Truth: brute force with exact signs (truth.hpp) for an evenly spread sample of each set (all rays where the
+// mesh is
+//   small); a second witness in CGAL's exact kernel (oracle.hpp) agrees with it in the tests.
+// Judging: judge.hpp says when an answer is right, borderline or false. An answer counts as right if it is
+// right
+//   exactly, or right for the same ray moved by at most eps = 32 · unit_roundoff · (largest |coordinate|
+//   involved).
+// Errors: error and error_mean are the mean over rays of min(1, |t - t_true| / t_true), where false hits and
+// false
+//   misses count 1; error_max and error_p99 of the same; bias is the mean signed relative error of t.
+//   Any-hit sets: the share of false answers. Fields of its own: ray_judged, ray_false_hits,
+//   ray_false_misses, ray_borderline, ray_wrong_primitive (ties apart), ray_wrong_t, ray_leaks (rays from
+//   inside a closed mesh that got out; null elsewhere), ray_claim (the claim that the build was judged by).
+// Claims: exact: right up to the rounding of double, t rounded to float. bounded: right or borderline in
+// float, and
+//   no ray from inside a closed mesh gets out. approximate: may leak at edges and vertices, and t may slide
+//   along a triangle seen edge-on; anything else is wrong.
+#pragma once
+
+#include "bench/core/task.hpp"
+#include "bench/ray/method.hpp"
+
+namespace treeline::bench::ray {
+
+class RayTask final : public Task {
+ public:
+  RayTask();
+
+  std::string name() const override { return "ray"; }
+  int version() const override { return 1; }
+  const std::vector<MethodInfo>& methods() const override { return infos_; }
+  std::vector<std::pair<std::string, std::string>> not_built() const override;
+  std::vector<BlockSpec> blocks(Profile) const override;
+  std::vector<BlockSpec> hard_blocks() const override;
+  datasets::Kind dataset_kind() const override { return datasets::Kind::mesh; }
+  std::unique_ptr<Block> open(const BlockSpec&, const RunContext&) const override;
+  std::unique_ptr<Block> open(datasets::Dataset, const RunContext&) const override;
+  std::vector<std::string> advise_on() const override { return {"camera", "diffuse", "shadow"}; }
+  void pictures(const BlockSpec&, const RunContext&, const std::string& folder) const override;
+
+  const std::vector<Method>& registered() const { return methods_; }
+
+ private:
+  std::vector<Method> methods_;
+  std::vector<MethodInfo> infos_;
+};
+
+}  // namespace treeline::bench::ray

@@ -1,0 +1,161 @@
+#include "bench/ray/truth.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <array>
+
+namespace treeline::bench::ray {
+namespace {
+
+using accel::Id;
+using geometry::Mesh3f;
+using geometry::Rayd;
+using geometry::Vec;
+using geometry::Vec3d;
+using Wide = __float128;  // 113 bits
+using Vec3w = Vec<Wide, 3>;
+
+bool finite(const Rayd& r) {
+  return geometry::is_finite(r.origin) && geometry::is_finite(r.direction) && !std::isnan(r.t_min) &&
+         !std::isnan(r.t_max) && geometry::length2(r.direction) > 0;
+}
+
+Vec3w wide(const Vec3d& v) { return {Wide(v[0]), Wide(v[1]), Wide(v[2])}; }
+
+/// Updates best if the ray hits the face nearer (or as near, with a lower id).
+void try_face(const Mesh3f& mesh, Id face, const Rayd& ray, TrueHit& best) {
+  const geometry::Triangle3f triangle = mesh.triangle(face);
+  if (!geometry::is_finite(triangle)) return;
+  const Vec3w o = wide(ray.origin), d = wide(ray.direction);
+  const Vec3w a = wide(Vec3d(triangle.a)) - o, b = wide(Vec3d(triangle.b)) - o,
+              c = wide(Vec3d(triangle.c)) - o;
+  const Vec3w n = geometry::cross(b - a, c - a);
+  Wide det = geometry::dot(n, d);
+  if (det == 0) return;  // in the ray's plane, or of no area
+  Wide u = geometry::dot(d, geometry::cross(b, c)), v = geometry::dot(d, geometry::cross(c, a)),
+       w = geometry::dot(d, geometry::cross(a, b)), depth = geometry::dot(n, a);
+  if (det < 0) det = -det, u = -u, v = -v, w = -w, depth = -depth;
+  if (u < 0 || v < 0 || w < 0) return;
+  if (depth < Wide(ray.t_min) * det) return;
+  if (std::isfinite(ray.t_max) ? depth > Wide(ray.t_max) * det : ray.t_max < 0) return;
+  const double t = static_cast<double>(depth / det);
+  if (t < best.t || (t == best.t && face < best.primitive)) best = {t, face};
+}
+
+/// A run of triangles as nine arrays of doubles, small enough to stay in the first caches over many rays.
+struct Tile {
+  static constexpr std::size_t capacity = 256;
+  std::array<std::array<double, capacity>, 9> x;
+  std::size_t size = 0;
+
+  void load(const Mesh3f& mesh, std::size_t first) {
+    size = std::min(capacity, mesh.size() - first);
+    for (std::size_t i = 0; i < size; ++i)
+      for (std::size_t corner = 0; corner < 3; ++corner)
+        for (int axis = 0; axis < 3; ++axis)
+          x[3 * corner + axis][i] = mesh.vertices[mesh.faces[first + i][corner]][axis];
+  }
+};
+
+/// Bound on the rounding of a triple product d·(p×q) in double: six terms of at most |d|·m², each rounded at
+/// most ten times, counting the subtraction of the origin.
+constexpr double triple_product_error = 64 * 0x1p-53;
+
+/// maybe[i] = 0 where the edge signs of triangle i are certain and mixed. NaN stays a maybe.
+void filter(const Tile& tile, const Rayd& ray, std::array<std::uint8_t, Tile::capacity>& maybe) {
+  const double ox = ray.origin[0], oy = ray.origin[1], oz = ray.origin[2];
+  const double dx = ray.direction[0], dy = ray.direction[1], dz = ray.direction[2];
+  const double scale = triple_product_error * std::max({std::abs(dx), std::abs(dy), std::abs(dz)});
+  const auto larger = [](double a, double b) { return a > b ? a : b; };
+  const auto smaller = [](double a, double b) { return a < b ? a : b; };
+  for (std::size_t i = 0; i < tile.size; ++i) {
+    const double ax = tile.x[0][i] - ox, ay = tile.x[1][i] - oy, az = tile.x[2][i] - oz;
+    const double bx = tile.x[3][i] - ox, by = tile.x[4][i] - oy, bz = tile.x[5][i] - oz;
+    const double cx = tile.x[6][i] - ox, cy = tile.x[7][i] - oy, cz = tile.x[8][i] - oz;
+    const double u = dx * (by * cz - bz * cy) + dy * (bz * cx - bx * cz) + dz * (bx * cy - by * cx);
+    const double v = dx * (cy * az - cz * ay) + dy * (cz * ax - cx * az) + dz * (cx * ay - cy * ax);
+    const double w = dx * (ay * bz - az * by) + dy * (az * bx - ax * bz) + dz * (ax * by - ay * bx);
+    double m = larger(larger(std::abs(ax), std::abs(ay)), std::abs(az));
+    m = larger(m, larger(larger(std::abs(bx), std::abs(by)), std::abs(bz)));
+    m = larger(m, larger(larger(std::abs(cx), std::abs(cy)), std::abs(cz)));
+    const double bound = scale * m * m;
+    const double low = smaller(smaller(u, v), w), high = larger(larger(u, v), w);
+    maybe[i] = !((low < -bound) & (high > bound));
+  }
+}
+
+void closest_of(const Mesh3f& mesh, std::span<const geometry::Rayf> rays, std::span<TrueHit> out) {
+  std::vector<Rayd> wide_rays;
+  for (const auto& r : rays)
+    wide_rays.push_back({Vec3d(r.origin), Vec3d(r.direction), double(r.t_min), double(r.t_max)});
+  Tile tile;
+  std::array<std::uint8_t, Tile::capacity> maybe;
+  for (std::size_t first = 0; first < mesh.size(); first += Tile::capacity) {
+    tile.load(mesh, first);
+    for (std::size_t r = 0; r < rays.size(); ++r) {
+      if (!finite(wide_rays[r])) continue;
+      filter(tile, wide_rays[r], maybe);
+      for (std::size_t i = 0; i < tile.size; ++i)
+        if (maybe[i]) try_face(mesh, static_cast<Id>(first + i), wide_rays[r], out[r]);
+    }
+  }
+}
+
+}  // namespace
+
+TrueHit exact_closest(const Mesh3f& mesh, std::span<const Id> faces, const Rayd& ray) {
+  TrueHit best;
+  if (finite(ray))
+    for (const Id face : faces) try_face(mesh, face, ray, best);
+  return best;
+}
+
+std::vector<TrueHit> true_closest(const Mesh3f& mesh, std::span<const geometry::Rayf> rays, int threads) {
+  std::vector<TrueHit> out(rays.size());
+  if (threads <= 1) {
+    closest_of(mesh, rays, out);
+    return out;
+  }
+  tbb::task_arena arena(threads);
+  arena.execute([&] {
+    const std::size_t grain =
+        std::max<std::size_t>(16, rays.size() / (4 * static_cast<std::size_t>(threads)));
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, rays.size(), grain),
+        [&](const auto& range) {
+          closest_of(mesh, rays.subspan(range.begin(), range.size()),
+                     std::span(out).subspan(range.begin(), range.size()));
+        },
+        tbb::simple_partitioner());
+  });
+  return out;
+}
+
+std::vector<Id> faces_near(const Mesh3f& mesh, const Rayd& ray, double distance) {
+  std::vector<Id> near;
+  if (!finite(ray)) return near;
+  for (std::size_t f = 0; f < mesh.size(); ++f) {
+    const geometry::Triangle3f triangle = mesh.triangle(f);
+    if (!geometry::is_finite(triangle)) continue;
+    const auto box = triangle.box();
+    // A millionth more than asked for swallows the rounding of this test.
+    const double margin = distance * (1 + 1e-6);
+    double enter = -std::numeric_limits<double>::infinity(), leave = -enter;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double low = box.low[axis] - margin - ray.origin[axis],
+                   high = box.high[axis] + margin - ray.origin[axis];
+      if (ray.direction[axis] == 0) {
+        if (low > 0 || high < 0) leave = enter = std::numeric_limits<double>::quiet_NaN();
+        continue;
+      }
+      const double x = low / ray.direction[axis], y = high / ray.direction[axis];
+      enter = std::max(enter, std::min(x, y)), leave = std::min(leave, std::max(x, y));
+    }
+    if (enter <= leave) near.push_back(static_cast<Id>(f));
+  }
+  return near;
+}
+
+}  // namespace treeline::bench::ray
