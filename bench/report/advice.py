@@ -1,13 +1,14 @@
 """The advice: the cheapest configuration that meets a tolerance on every stated metric, and what the rung below breaks.
 
-page/advice.js does the same in the browser; a test holds the two to the same words.
+The same rules as bench/core/advice.hpp and page/advice.js: a cost is the sum over the query sets, and an error is held
+against the tolerance or the truth's own floor, whichever is larger. A test holds this file and the page to one answer.
 """
 
 from dataclasses import dataclass
-from math import exp, log
 
+from bench.report.rows import knob_text
 
-METRICS = ("error", "error_p99", "error_mean", "bias", "error_max")  # in the order in which limits are tried
+METRICS = ("error", "error_max", "error_p99", "error_mean", "bias")  # in the order in which limits are tried
 
 
 @dataclass
@@ -15,45 +16,34 @@ class Rung:
     method: str
     build_knobs: str
     query_knobs: str
-    cost: float  # ns per query; over several query sets the geometric mean
-    errors: dict  # metric → largest over the query sets, 0 where below the truth's floor
-    broken: str = ""  # a status that is not ok
+    rows: list  # one a query set
+    cost: float  # ns, one query of each set
 
     def limit(self, tolerance):
-        """The first limit that this rung breaks, as (name, figure), or None."""
-        if self.broken:
-            return self.broken, None
-        return next(((m, v) for m, v in self.errors.items() if v > tolerance), None)
+        """The first limit that this rung breaks, as (query set, name, figure), or None."""
+        for row in self.rows:
+            if row.status != "ok":
+                return row.query_set, row.status, None
+            for metric in METRICS:
+                value = getattr(row, metric)
+                if value is not None and abs(value) > max(tolerance, row.error_floor or 0.0):
+                    return row.query_set, metric, abs(value)
+            if row.error is None:
+                return row.query_set, "no measured error", None
+        return None
 
 
 def rungs(rows, query_sets):
-    """From the cheapest on; rows of one run, block and thread count. Only configurations that ran every query set."""
+    """From the cheapest on; rows of one run, block and thread count. Only configurations that have a time for every
+    query set."""
     by_configuration = {}
     for row in rows:
         if row.query_set in query_sets and row.query_ns is not None:
-            by_configuration.setdefault(row.configuration, {})[row.query_set] = row
-    found = []
-    for (method, build, query), cells in by_configuration.items():
-        if len(cells) < len(query_sets):
-            continue
-        broken = next((c.status for c in cells.values() if c.status != "ok"), "")
-        cost = exp(sum(log(c.query_ns) for c in cells.values()) / len(cells))
-        errors = {}
-        for metric in METRICS:
-            figures = [value for c in cells.values() if (value := figure(c, metric)) is not None]
-            if figures:
-                errors[metric] = max(figures)
-        if "error" not in errors and not broken:
-            broken = "unjudged"
-        found.append(Rung(method, build, query, cost, errors, broken))
+            by_configuration.setdefault((row.method, knob_text(row.build_knobs), knob_text(row.query_knobs)), {})[
+                row.query_set] = row  # fmt: skip
+    found = [Rung(*names, [cells[s] for s in query_sets], sum(c.query_ns for c in cells.values()))
+             for names, cells in by_configuration.items() if len(cells) == len(query_sets)]  # fmt: skip
     return sorted(found, key=lambda r: r.cost)
-
-
-def figure(row, metric):
-    value = getattr(row, metric)
-    if value is None:
-        return None
-    return 0.0 if abs(value) <= (row.error_floor or 0.0) else abs(value)
 
 
 def advise(ladder, tolerance):
@@ -65,5 +55,3 @@ def advise(ladder, tolerance):
             return rung, below, below and below.limit(tolerance)
         below = rung
     return None, below, below and below.limit(tolerance)
-
-

@@ -66,9 +66,9 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
             y=alt.Y("from:Q", scale=scale, axis=axis), y2="to:Q",
             color=alt.Color("zone:N", legend=None,
                             scale=alt.Scale(domain=["failed", "exact"], range=["#D55E00", "#009E73"]))))  # fmt: skip
-        layers.append(alt.Chart(alt.Data(values=zones)).mark_text(
-            align="right", baseline="bottom", x=alt.expr("width - 5"), dy=-3, fontSize=10, fontStyle="italic", fill=INK,
-            opacity=0.7).encode(y=alt.Y("to:Q", scale=scale, axis=axis), text="zone:N"))  # fmt: skip
+        names = alt.Data(values=[{"y": (top + end) / 2, "zone": name} for name, top, end in layout.zones()])
+        layers.append(alt.Chart(names).mark_text(align="left", x=alt.expr("width + 5"), fontSize=10, fontStyle="italic",
+                                                 fill=INK).encode(y=y, text="zone:N"))  # fmt: skip
     layers += [
         timed.transform_filter("datum.front").mark_line(color=INK, strokeWidth=1.2, opacity=0.55,
                                                         interpolate="step-after")

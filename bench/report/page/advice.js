@@ -1,7 +1,6 @@
 // The advice: the cheapest configuration that meets the tolerance on every stated metric; ../advice.py says the same.
 "use strict";
-const METRICS = ["error", "error_p99", "error_mean", "bias", "error_max"];
-const METRIC_NAMES = { error: "error", error_p99: "99 % quantile", error_mean: "mean error", bias: "bias", error_max: "worst error" };
+const METRICS = { error: "mean error", error_max: "worst error", error_p99: "99 % quantile", error_mean: "mean of all answers", bias: "bias" };
 
 /// Slider position 0 is exact; then ten steps a decade from 1e-12 to 1.
 const toleranceAt = (position) => (position === 0 ? 0 : Number(Math.pow(10, -12 + (position - 1) / 10).toPrecision(3)));
@@ -18,28 +17,38 @@ function rungs(list, sets) {
   for (const rung of found.values()) {
     const cells = [...rung.cells.values()];
     if (cells.length < sets.length) continue;
-    rung.cost = Math.exp(cells.reduce((sum, c) => sum + Math.log(c.ns), 0) / cells.length);
-    rung.errors = {};
-    for (const m of METRICS) {
-      const values = cells.filter((c) => c[m] !== null).map((c) => (Math.abs(c[m]) <= (c.floor || 0) ? 0 : Math.abs(c[m])));
-      if (values.length) rung.errors[m] = Math.max(...values);
-    }
-    const bad = cells.find((c) => c.status !== "ok");
-    rung.broken = bad ? bad.status : "error" in rung.errors ? "" : "unjudged";
+    rung.rows = sets.map((s) => rung.cells.get(s));
+    rung.cost = rung.rows.reduce((sum, r) => sum + r.ns, 0);
     ladder.push(rung);
   }
   return ladder.sort((a, b) => a.cost - b.cost);
 }
 
+/// The first limit that a rung breaks, or null.
 function limitOf(rung, tolerance) {
-  if (rung.broken) return { name: rung.broken.replace(/_/g, " "), figure: null };
-  for (const m of METRICS) if (rung.errors[m] > tolerance) return { name: METRIC_NAMES[m], figure: rung.errors[m] };
+  for (const r of rung.rows) {
+    if (r.status !== "ok") return { set: r.set, name: r.status.replace(/_/g, " "), figure: null };
+    const allowed = Math.max(tolerance, r.floor || 0);
+    for (const m in METRICS) if (r[m] !== null && Math.abs(r[m]) > allowed) return { set: r.set, name: METRICS[m], figure: Math.abs(r[m]) };
+    if (r.error === null) return { set: r.set, name: "no measured error", figure: null };
+  }
   return null;
+}
+
+/// The largest of each stated error over the query sets, in words.
+function errorsText(rung) {
+  const parts = [];
+  for (const m in METRICS) {
+    const values = rung.rows.filter((r) => r[m] !== null).map((r) => (Math.abs(r[m]) <= (r.floor || 0) ? 0 : Math.abs(r[m])));
+    if (values.length) parts.push([METRICS[m], Math.max(...values)]);
+  }
+  if (parts.every(([, v]) => v === 0)) return "exact on every stated metric";
+  return parts.map(([name, v]) => `${name} ${v === 0 ? "exact" : figure(v)}`).join(", ");
 }
 
 const rungName = (r) => r.method + ([r.build, r.query].filter(Boolean).length ? ` (${[r.build, r.query].filter(Boolean).join("; ")})` : "");
 const limitText = (limit, tolerance) =>
-  limit.figure === null ? limit.name : `${limit.name} ${figure(limit.figure)}, above ${tolerance === 0 ? "exact" : figure(tolerance)}`;
+  (limit.figure === null ? limit.name : `${limit.name} ${figure(limit.figure)}, above ${tolerance === 0 ? "exact" : figure(tolerance)}`) + ` (${limit.set})`;
 
 function updateAdvice(box) {
   const task = box.dataset.task;
@@ -60,10 +69,9 @@ function updateAdvice(box) {
       ? `<p class="take">No configuration that was measured here meets ${words}.</p>` : '<p class="take">Nothing was measured here.</p>';
   } else {
     const best = ladder[at], below = ladder[at - 1];
-    const errors = METRICS.filter((m) => m in best.errors).map((m) => `${METRIC_NAMES[m]} ${figure(best.errors[m])}`).join(", ");
+    const cost = sets.length > 1 ? ` for one ${model.tasks[task].queryWord} of each of the ${sets.length} sets` : ` per ${model.tasks[task].queryWord}`;
     out.innerHTML =
-      `<p class="take">Take <b>${escapeHtml(rungName(best))}</b>: ${duration(best.cost)} per ${model.tasks[task].queryWord}` +
-      `${sets.length > 1 ? ` (geometric mean of ${sets.length} query sets)` : ""}; ${errors}.</p>` +
+      `<p class="take">Take <b>${escapeHtml(rungName(best))}</b>: ${duration(best.cost)}${cost}; ${errorsText(best)}.</p>` +
       `<p class="below">` + (below
         ? `The rung below, ${escapeHtml(rungName(below))} at ${duration(below.cost)}, breaks: ${escapeHtml(limitText(limitOf(below, tolerance), tolerance))}.`
         : "There is no rung below: this is the cheapest that was measured.") + "</p>";

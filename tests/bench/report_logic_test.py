@@ -1,0 +1,262 @@
+"""Reading rows, the frontier, winners, advice, stability and comparison, on rows made by hand."""
+
+import contextlib
+import io
+import itertools
+import json
+import random
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
+
+import report_fixture as fixture
+from bench.report import advice, compare, frontier, layout, model, pictures, rows, stability, units, winners
+
+METHOD = ("kd_tree", "kd", "ours", "exact")
+PEER = ("nanoflann", "kd", "peer", "exact")
+LOOSE = ("forest", "forest", "peer", "approximate")
+
+
+def made(method=METHOD, ns=100.0, error=0.0, *, low=None, high=None, dataset="cube", n=1000, query_set="k8", build=None,
+         query=None, status="ok", **values):  # fmt: skip
+    figures = {"query_ns": ns, "query_ns_low": low, "query_ns_high": high, "error": error, "error_floor": 1e-7}
+    return fixture.row("knn", f"{dataset}:{n}", dataset, n, method, query_set, build or {}, query or {},
+                       status=status, **(figures | values))  # fmt: skip
+
+
+def read(*entries):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "rows.jsonl"
+        fixture.write(path, entries)
+        return rows.read([path])
+
+
+def read_text(text):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "rows.jsonl"
+        path.write_text(text)
+        return rows.read([path])
+
+
+class Reading(unittest.TestCase):
+    def broken(self, text, *words):
+        with self.assertRaises(rows.RowError) as caught:
+            read_text(text)
+        for word in words:
+            self.assertIn(word, str(caught.exception))
+
+    def test_broken_row_names_file_line_and_field(self):
+        good = json.dumps(made())
+        self.broken(good + "\n{broken\n" + good + "\n", "rows.jsonl:2", "not JSON")
+        self.broken(good + "\n[1]\n", "rows.jsonl:2", "JSON object")
+        for field, value, words in (
+            ("schema", 7, ["schema"]), ("status", "great", ["status", "great"]), ("claim", "sure", ["claim"]),
+            ("query_ns", "fast", ["query_ns", "fast"]), ("n", None, ["'n'", "null"]), ("n", 1.5, ["'n'", "1.5"]),
+            ("query_ns", float("nan"), ["query_ns"]), ("bytes", True, ["bytes"]),
+        ):  # fmt: skip
+            self.broken(good + "\n" + json.dumps(made() | {field: value}) + "\n", "rows.jsonl:2", *words)
+        absent = made()
+        del absent["error_p99"]
+        self.broken(json.dumps(absent) + "\n", "rows.jsonl:1", "error_p99", "absent")
+
+    def test_torn_last_line_costs_a_warning(self):
+        good = json.dumps(made())
+        found = read_text(good + "\n" + good[:40])
+        self.assertEqual(len(found), 1)
+        self.assertEqual(len(found.warnings), 1)
+        self.assertIn("rows.jsonl:2", found.warnings[0])
+
+    def test_cell_measured_twice_counts_once_and_the_later_wins(self):
+        found = read(made(ns=100), made(ns=200))
+        self.assertEqual([r.query_ns for r in found], [200])
+        self.assertEqual(len(found.warnings), 1)
+
+    def test_other_commit_or_machine_is_another_run(self):
+        found = read(made(), made() | {"commit": "ffff"}, made() | {"host": "other"})
+        self.assertEqual(len(found.runs), 3)
+        self.assertEqual(len({r.group for r in found}), 3)
+
+
+class Frontier(unittest.TestCase):
+    def test_neither_beaten_nor_equal(self):
+        found = list(read(made(LOOSE, 10, 0.5, build={"a": 1}), made(LOOSE, 20, 0.1, build={"a": 2}),
+                          made(LOOSE, 30, 0.2, build={"a": 3}), made(PEER, 40, 0), made(METHOD, 50, 5e-8)))  # fmt: skip
+        self.assertEqual([r.query_ns for r in frontier.frontier(found)], [10, 20, 40])
+
+    def test_equals_definition_on_random_rows(self):
+        rng = random.Random(3)
+        for _ in range(50):
+            found = list(read(*(made(LOOSE, rng.randrange(1, 12), rng.randrange(0, 6) / 10, build={"i": i})
+                                for i in range(25))))  # fmt: skip
+            unbeaten = {id(b) for b in found if not any(frontier.beats(a, b) for a in found)}
+            self.assertEqual({id(r) for r in frontier.frontier(found)}, unbeaten)
+
+    def test_failed_rows_are_never_on_it(self):
+        found = list(read(made(METHOD, 50, 0), made(PEER, 1, 0, status="wrong"), made(LOOSE, None, None, status="crashed")))
+        self.assertEqual([r.method for r in frontier.frontier(found)], ["kd_tree"])
+
+    def test_exact_means_below_the_floor(self):
+        row = list(read(made(error=9e-8)))[0]
+        self.assertEqual(frontier.shown_error(row), 0)
+        self.assertEqual(frontier.shown_error(list(read(made(error=2e-7)))[0]), 2e-7)
+
+
+class Placing(unittest.TestCase):
+    def test_every_tried_row_has_a_place_of_its_kind(self):
+        statuses = [made(PEER, None, None, status=s, build={"s": s}) for s in rows.FAILURES]
+        found = list(read(made(), made(LOOSE, 10, 0.5), made(LOOSE, 20, 1e-3, build={"x": 1}), *statuses,
+                          made(PEER, 5, 0.9, status="wrong")))  # fmt: skip
+        place = layout.Layout(found, ["kd_tree", "nanoflann", "forest"])
+        exact, coarse, fine, *failed = (place.y(r) for r in found)
+        self.assertLess(coarse, fine)
+        self.assertLess(fine, exact)
+        self.assertTrue(all(y < coarse for y in failed))
+        self.assertEqual(len(set(failed)), len(rows.FAILURES))  # a rail each; the wrong one with a time shares its
+        self.assertTrue(all(0 <= y <= place.height for y in (exact, coarse, fine, *failed)))
+        _, _, slots = layout.marks(found)
+        self.assertEqual(len(slots), len(rows.FAILURES))  # those without a time
+
+    def test_decades_are_evenly_apart(self):
+        found = list(read(made(LOOSE, 10, 1.0), made(LOOSE, 20, 1e-2, build={"x": 1}), made(LOOSE, 30, 1e-4, build={"x": 2})))
+        a, b, c = (layout.Layout(found, ["forest"]).y(r) for r in found)
+        self.assertAlmostEqual(b - a, c - b, places=1)
+
+    def test_row_without_a_verdict_is_shown_as_such(self):
+        found = list(read(made(error=None)))
+        self.assertEqual(list(layout.Layout(found, ["kd_tree"]).rails), ["unjudged"])
+
+
+class Winners(unittest.TestCase):
+    def test_a_wrong_or_inexact_peer_does_not_win(self):
+        found = list(read(made(METHOD, 100), made(PEER, 150), made(PEER, 10, 0.2, status="wrong", build={"b": 1}),
+                          made(LOOSE, 20, 0.1)))  # fmt: skip
+        (won,) = winners.winners(found)
+        self.assertEqual((won.best.method, won.ratio), ("kd_tree", 1.5))
+
+    def test_a_peer_within_rounding_competes_whatever_it_claims(self):
+        (won,) = winners.winners(list(read(made(METHOD, 100), made(LOOSE, 50, 5e-7))))
+        self.assertEqual((won.best.method, won.ratio), ("forest", 0.5))
+
+    def test_runs_are_not_mixed(self):
+        found = winners.winners(list(read(made(METHOD, 100), made(PEER, 150) | {"host": "other"})))
+        self.assertEqual([w.ratio for w in found], [None, None])
+
+    def test_overlapping_intervals_are_no_clear_win(self):
+        (won,) = winners.winners(list(read(made(METHOD, 100, low=90, high=120), made(PEER, 130, low=110, high=140))))
+        self.assertFalse(won.clear)
+        self.assertIn("1.30x~", winners.table(list(read(made(METHOD, 100, low=90, high=120), made(PEER, 130, low=110, high=140)))))
+
+
+class Advice(unittest.TestCase):
+    ladder = staticmethod(lambda *entries, sets=("k8",): advice.rungs(list(read(*entries)), sets))
+
+    def test_cheapest_that_holds_and_what_the_rung_below_breaks(self):
+        ladder = self.ladder(made(LOOSE, 10, 0.3), made(LOOSE, 20, 1e-3, error_max=0.5, query={"checks": 9}),
+                             made(METHOD, 90), made(PEER, 100))  # fmt: skip
+        for tolerance, method, ns, limit in ((0, "kd_tree", 90, ("k8", "error", 1e-3)), (1e-2, "kd_tree", 90, ("k8", "error_max", 0.5)),
+                                             (0.5, "forest", 10, None)):  # fmt: skip
+            best, _, broken = advice.advise(ladder, tolerance)
+            self.assertEqual((best.method, broken), (method, limit))
+            self.assertAlmostEqual(best.cost, ns)
+
+    def test_every_query_set_counts(self):
+        entries = (made(LOOSE, 10, 1e-5), made(LOOSE, 10, 0.2, query_set="box"), made(METHOD, 40),
+                   made(METHOD, 90, query_set="box"), made(PEER, 1))  # fmt: skip
+        best, below, limit = advice.advise(self.ladder(*entries, sets=("k8", "box")), 1e-3)
+        self.assertEqual((best.method, below.method, limit), ("kd_tree", "forest", ("box", "error", 0.2)))
+        self.assertAlmostEqual(best.cost, 130)
+
+    def test_signed_bias_and_failures_are_limits(self):
+        ladder = self.ladder(made(LOOSE, 10, 0, bias=-0.3), made(PEER, 5, 0, status="wrong"), made(METHOD, 50))
+        best, below, limit = advice.advise(ladder, 0.1)
+        self.assertEqual((best.method, below.method, limit), ("kd_tree", "forest", ("k8", "bias", 0.3)))
+        self.assertEqual(ladder[0].limit(1.0), ("k8", "wrong", None))
+
+    def test_nothing_holds(self):
+        best, below, limit = advice.advise(self.ladder(made(LOOSE, 10, 0.3)), 0)
+        self.assertEqual((best, below.method, limit), (None, "forest", ("k8", "error", 0.3)))
+
+    def test_is_the_minimum_by_brute_force(self):
+        rng = random.Random(5)
+        ladder = self.ladder(*(made(LOOSE, rng.uniform(1, 99), rng.choice((0, 1e-4, 1e-2, 0.3)), build={"i": i},
+                                    error_max=rng.choice((0, 1e-3, 0.5))) for i in range(40)))  # fmt: skip
+        for tolerance in (0, 1e-4, 1e-3, 0.1, 1):
+            holding = [r.cost for r in ladder if max(r.rows[0].error, r.rows[0].error_max) <= tolerance]
+            best, _, _ = advice.advise(ladder, tolerance)
+            self.assertEqual(best.cost if best else None, min(holding, default=None))
+
+
+class Stability(unittest.TestCase):
+    def test_the_worst_status_shows_and_absent_queries_do_not_hide_it(self):
+        def hard(query_set, status, **values):
+            return made(METHOD, None, values.pop("error", None), query_set=query_set, status=status, **values) | {
+                "block": "hard/ties", "dataset": "ties"}  # fmt: skip
+
+        found = list(read(hard("a", "ok", error=0.0), hard("b", "wrong", error=0.25, reason="query 3"),
+                          hard("c", "unsupported")))  # fmt: skip
+        cases, methods, cells = stability.matrix(found, ["kd_tree"])
+        cell = cells["ties", "kd_tree"]
+        self.assertEqual((cases, methods, cell.letter, cell.error, cell.bad, cell.count), (["ties"], ["kd_tree"], "W", "0.25", 1, 2))
+        self.assertIn("query 3", cell.detail)
+
+    def test_every_status_has_its_own_letter_and_word(self):
+        for table in (stability.LETTERS, stability.WORDS):
+            self.assertEqual(set(table), set(rows.STATUSES))
+            self.assertEqual(len(set(table.values())), len(rows.STATUSES))
+
+
+class Comparing(unittest.TestCase):
+    def kinds(self, a, b):
+        return [c.kind for c in compare.compare(read(a), read(b))]
+
+    def test_only_intervals_apart_are_a_change(self):
+        base = made(ns=100, low=95, high=110)
+        for ns, low, high, kind in ((120, 112, 130, "slower"), (120, 105, 130, "same"), (80, 70, 90, "faster")):
+            self.assertEqual(self.kinds(base, made(ns=ns, low=low, high=high) | {"commit": "new"}), [kind])
+
+    def test_a_new_failure_or_a_larger_error_is_worse(self):
+        (change,) = compare.compare(read(made()), read(made(error=0.1, status="wrong")))
+        self.assertEqual((change.kind, change.worse), ("status", True))
+        (change,) = compare.compare(read(made(error=1e-3)), read(made(error=1e-2)))
+        self.assertEqual((change.kind, change.worse), ("error", True))
+        (change,) = compare.compare(read(made(error=1e-2)), read(made(error=1e-3)))
+        self.assertFalse(change.worse)
+
+    def test_exit_status(self):
+        with tempfile.TemporaryDirectory() as folder:
+            a, b, other = (Path(folder) / f"{name}.jsonl" for name in "abc")
+            fixture.write(a, [made(ns=100, low=95, high=105)])
+            fixture.write(b, [made(ns=150, low=145, high=155)])
+            fixture.write(other, [made(dataset="ball")])
+            quiet = contextlib.redirect_stdout(io.StringIO())
+            with quiet, contextlib.redirect_stderr(io.StringIO()):
+                found = [compare.main([str(x), str(y)]) for x, y in ((a, b), (b, a), (a, other), (a, folder))]
+        self.assertEqual(found, [1, 0, 2, 2])
+
+
+class Small(unittest.TestCase):
+    def test_units(self):
+        self.assertEqual([units.duration(v) for v in (3.21, 999, 1500, 2.5e6, 3e9)], ["3.21 ns", "999 ns", "1.5 µs", "2.5 ms", "3 s"])
+        self.assertEqual([units.figure(v) for v in (None, 0, 1e-7, 0.25, 123456)], ["-", "0", "1e-7", "0.25", "1.2e5"])
+        self.assertEqual([units.count(v) for v in (7, 1000, 1_000_000)], ["7", "1k", "1M"])
+
+    def test_no_two_methods_look_alike(self):
+        found = model.task_models(list(read(*(made((f"m{i}", "kd", "peer" if i % 2 else "ours", "exact")) for i in range(24)))))
+        looks = list(found[0].looks.values())
+        for a, b in itertools.combinations(looks, 2):
+            self.assertNotEqual((a.color, a.shape, a.source), (b.color, b.shape, b.source))
+
+    def test_a_picture_that_cannot_be_shown_costs_a_warning(self):
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "bad.svg").write_text("<svg><script>alert(1)</script></svg>")
+            Path(folder, "good.svg").write_text("<svg/>")
+            fixture.write(Path(folder, "pictures.jsonl"), [{"file": "bad.svg"}, {"file": "absent.png"}, {"title": "x"}, {"file": "good.svg"}])
+            shown, warnings = pictures.read([folder])
+        self.assertEqual((len(shown), len(warnings)), (1, 3))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,188 @@
+"""The report in a real browser, opened from its file without a network: no script error, nothing asked from outside,
+every chart drawn with its marks, advice equal to the one computed here, selectors and keyboard at work."""
+
+import contextlib
+import io
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from collections import Counter
+from html.parser import HTMLParser
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
+
+import report_fixture as fixture
+from bench.report import advice, layout, report, rows, static
+from bench.report.model import task_models
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-component-update",
+         "--disable-background-networking", "--disable-sync", "--disable-dev-shm-usage",
+         "--host-resolver-rules=MAP * ~NOTFOUND", "--virtual-time-budget=60000")  # fmt: skip
+LOADING = {"src", "href", "data", "action", "poster", "srcset", "background", "xlink:href"}
+
+
+class Page(HTMLParser):
+    """Root attributes, the probe's text, and everything that could load something."""
+
+    def __init__(self, text):
+        super().__init__(convert_charrefs=True)
+        self.root, self.loads, self.probe, self.inside = {}, [], "", False
+        self.tags = Counter()
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        values = dict(attributes)
+        self.tags[tag] += 1
+        if tag == "html":
+            self.root = values
+        self.inside = values.get("id") == "probe"
+        self.loads += [v for k, v in attributes if k in LOADING and v and not v.startswith(("#", "data:image/"))]
+
+    def handle_data(self, data):
+        if self.inside:
+            self.probe += data
+
+    def handle_endtag(self, tag):
+        self.inside = False
+
+
+def browse(path, *more):
+    program = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if program is None:
+        raise FileNotFoundError("no Chromium here (packages.txt names it)")
+    with tempfile.TemporaryDirectory() as profile:
+        done = subprocess.run([program, *FLAGS, *more, f"--user-data-dir={profile}", "--dump-dom", Path(path).as_uri()],
+                              capture_output=True, text=True, timeout=240)  # fmt: skip
+    if done.returncode:
+        raise RuntimeError(f"the browser ended with {done.returncode}: {done.stderr[-2000:]}")
+    return Page(done.stdout)
+
+
+class Report(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.folder.cleanup)
+        folder = Path(cls.folder.name)
+        cls.files = fixture.make(folder, sizes=(10_000, 100_000))
+        cls.report = folder / "report.html"
+        told = io.StringIO()
+        with contextlib.redirect_stdout(told), contextlib.redirect_stderr(io.StringIO()):
+            cls.status = report.main([*map(str, cls.files), "--pictures", str(folder / "pictures/knn"), "--pictures",
+                                      str(folder / "pictures/ray"), "--out", str(cls.report), "--winners"])  # fmt: skip
+        cls.told = told.getvalue()
+        cls.rows = rows.read(cls.files)
+        cls.models = task_models(cls.rows)
+        probed = folder / "probed.html"
+        script = Path(__file__).with_name("report_probe.js").read_text()
+        before, end, after = cls.report.read_text().rpartition("</body>")
+        probed.write_text(f"{before}<script>{script}</script>{end}{after}")
+        cls.page = browse(probed, "--window-size=1400,1000")
+        cls.seen = json.loads(cls.page.probe) if cls.page.probe else None
+
+    def test_made_without_complaint(self):
+        self.assertEqual(self.status, 0)
+        self.assertIn("knn: the fastest right method", self.told)
+
+    def test_no_script_error(self):
+        self.assertEqual(self.page.root.get("data-errors", "[]"), "[]")
+        self.assertEqual(self.page.root.get("data-ready"), "yes")
+        self.assertIsNotNone(self.seen, "the probe did not come to its end")
+
+    def test_loads_nothing_from_outside(self):
+        self.assertEqual(self.page.loads, [])
+        self.assertEqual(self.page.tags["link"] + self.page.tags["iframe"], 0)
+        text = self.report.read_text()
+        self.assertIn("default-src 'none'", text)  # what the browser would block, it reports as an error
+        self.assertNotIn("@import", text)
+        self.assertEqual(text.count("window.vegaEmbed="), 1)  # one bundle for all charts
+
+    def test_every_chart_is_drawn_with_every_mark(self):
+        tasks = len(fixture.TASKS)
+        expected = sum(4 * len(datasets) for _, datasets, _ in fixture.TASKS.values())
+        self.assertEqual((tasks, int(self.page.root["data-drawn"]), len(self.seen["charts"])), (2, expected, expected))
+        for task in self.models:
+            for k, dataset in enumerate(task.datasets):
+                self.check_marks(task, k, dataset)
+
+    def check_marks(self, task, k, dataset):
+        here = [r for r in task.of(dataset) if r.size == max(task.sizes)]
+        shown = [r for r in here if r.query_set == task.query_sets[0]]
+        builds = len({(r.method, str(r.build_knobs)) for r in here if r.build_s is not None})
+        _, best, _ = layout.marks(task.soft)
+        of_set = [r for r in task.of(dataset) if r.query_set == task.query_sets[0] and id(r) in best]
+        sized = {(r.method, str(r.build_knobs)) for r in here if r.bytes is not None}
+        for kind, count in (("frontier", sum(r.status not in rows.ABSENT for r in shown)), ("build", builds),
+                            ("bytes", len(sized)), ("scaling", len(of_set))):  # fmt: skip
+            chart = self.seen["charts"][f"{task.name}-{k}-{kind}"]
+            self.assertEqual(chart["marks"], count, f"{task.name} {dataset} {kind}")
+            self.assertGreater(chart["height"], 100)
+            self.assertLessEqual(chart["width"], chart["room"] + 1)
+
+    def test_selectors_change_the_charts(self):
+        for task in self.models:
+            size = max(task.sizes)
+            for query_set in task.query_sets:
+                tried = [r for r in task.soft if r.size == size and r.query_set == query_set and r.status not in rows.ABSENT]
+                self.assertEqual(self.seen["changed"][f"{task.name}-set={query_set}"], len(tried))
+        self.assertGreater(self.seen["figures"], 5)
+
+    def test_advice_is_the_one_computed_here(self):
+        self.assertGreater(len({(a["take"], a["below"]) for a in self.seen["advice"]}), 20)  # the slider changes the text
+        for told in self.seen["advice"]:
+            task = next(t for t in self.models if t.name == told["task"])
+            here = [r for r in task.of(told["dataset"]) if r.size == max(task.sizes)]
+            timed = list(dict.fromkeys(r.query_set for r in here if r.query_ns is not None))
+            sets = timed if told["set"] == "*" else [told["set"]]
+            best, below, limit = advice.advise(advice.rungs(here, sets), told["tolerance"])
+            if best is None:
+                self.assertIn("No configuration", told["take"])
+                continue
+            self.assertIn(self.name(best), told["take"])
+            if below is None:
+                self.assertIn("no rung below", told["below"])
+            else:
+                self.assertIn(self.name(below), told["below"])
+                self.assertIn(f"({limit[0]})", told["below"])
+
+    @staticmethod
+    def name(rung):
+        knobs = "; ".join(filter(None, (rung.build_knobs, rung.query_knobs)))
+        return f"{rung.method} ({knobs})" if knobs else rung.method
+
+    def test_matrix_by_keyboard_tooltip_and_theme(self):
+        self.assertEqual(self.seen["matrix"], self.seen["expectedDetail"])
+        self.assertIn("claims", self.seen["tip"])
+        self.assertIn(self.seen["theme"], ("dark", "light"))
+
+    def test_pictures_are_inlined(self):
+        count = sum(len(p.read_text().splitlines()) for p in Path(self.folder.name).rglob("pictures.jsonl"))
+        self.assertEqual(self.page.tags["img"], count)
+
+    def test_nothing_hangs_over_the_edge(self):
+        self.assertLessEqual(self.seen["overflow"], 0)
+        narrow = browse(Path(self.folder.name) / "probed.html", "--window-size=800,900")
+        seen = json.loads(narrow.probe)
+        self.assertLessEqual(seen["overflow"], 0)
+        self.assertTrue(all(c["width"] <= c["room"] + 1 for c in seen["charts"].values()))
+
+    def test_static_charts(self):
+        task = self.models[1]
+        task.datasets, task.query_sets = task.datasets[:1], task.query_sets[:1]
+        with tempfile.TemporaryDirectory() as folder:
+            saved = static.save_all([task], folder)
+            files = sorted(Path(folder).iterdir())
+            self.assertEqual(saved, 5)  # frontier, scaling, build, bytes, stability
+            self.assertEqual(len(files), 2 * saved)
+            for file in files:
+                start = file.read_bytes()[:5]
+                self.assertTrue(start.startswith(b"<svg" if file.suffix == ".svg" else b"\x89PNG"), file.name)
+
+
+if __name__ == "__main__":
+    unittest.main()
