@@ -46,26 +46,30 @@ class PaddedRay {
     }
   }
 
-  bool backward(int axis) const { return backward_[axis]; }
+  /// 1 if the ray runs against the axis, else 0.
+  std::size_t backward(int axis) const { return backward_[axis]; }
   /// No t of a point on the far side of the plane is below; may be NaN: no bound.
   T enter(int axis, T plane) const { return (plane - enter_from_[axis]) * inverse_[axis]; }
   /// No t of a point on the near side of the plane is above; may be NaN: no bound.
   T exit(int axis, T plane) const { return (plane - exit_from_[axis]) * inverse_[axis]; }
 
-  /// Narrows [t0, t1] to the box; false if nothing remains.
-  bool clip(const geometry::Box<T, 3>& box, T& t0, T& t1) const {
-    const geometry::Vec<T, 3>* side[2] = {&box.low, &box.high};
+  /// Narrows [t0, t1] to the box between two corners, low and high; false if nothing remains.
+  [[gnu::always_inline]] bool clip(const geometry::Vec<T, 3> (&sides)[2], T& t0, T& t1) const {
     for (int k = 0; k < 3; ++k) {
-      const T first = enter(k, (*side[backward_[k]])[k]), last = exit(k, (*side[!backward_[k]])[k]);
+      const T first = enter(k, sides[backward_[k]][k]), last = exit(k, sides[1 - backward_[k]][k]);
       t0 = first > t0 ? first : t0;
       t1 = last < t1 ? last : t1;
     }
     return t0 <= t1;
   }
+  bool clip(const geometry::Box<T, 3>& box, T& t0, T& t1) const {
+    const geometry::Vec<T, 3> sides[2] = {box.low, box.high};
+    return clip(sides, t0, t1);
+  }
 
  private:
   T enter_from_[3], exit_from_[3], inverse_[3];
-  bool backward_[3];
+  std::size_t backward_[3];  // 0 or 1
 };
 
 }  // namespace treeline::accel

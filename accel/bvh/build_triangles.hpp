@@ -23,9 +23,11 @@ struct BvhTriangleOptions : BuildOptions {
 /// A child as its parent holds it: 32 bytes for float.
 template <class T>
 struct BvhChild {
-  geometry::Box<T, 3> box;
-  std::uint32_t first = 0;  ///< inner: index of its node; leaf: its first triangle
-  std::uint32_t count = 0;  ///< triangles of a leaf; 0 for an inner node
+  geometry::Vec<T, 3> corner[2];  ///< low and high corner of its box
+  std::uint32_t first = 0;        ///< inner: index of its node; leaf: its first triangle
+  std::uint32_t count = 0;        ///< triangles of a leaf; 0 for an inner node
+
+  geometry::Box<T, 3> box() const { return {corner[0], corner[1]}; }
 };
 
 template <class T>
@@ -98,12 +100,13 @@ class BvhBuilder {
 
   BvhChild<T> build(std::size_t begin, std::size_t end, std::size_t level) {
     BvhChild<T> made;
-    Box centres;
+    Box box, centres;
     for (std::size_t i = begin; i < end; ++i) {
-      made.box.grow(refs_[i].box);
+      box.grow(refs_[i].box);
       centres.grow(refs_[i].box.centre());
     }
-    const std::size_t n = end - begin, middle = split(begin, end, made.box, centres, level);
+    const std::size_t n = end - begin, middle = split(begin, end, box, centres, level);
+    made.corner[0] = box.low, made.corner[1] = box.high;
     if (middle == begin) {
       made.first = static_cast<std::uint32_t>(begin);
       made.count = static_cast<std::uint32_t>(n);

@@ -61,14 +61,14 @@ Bvh<Triangles<T, RayTest>>::Bvh(TriangleSet<T>&& set, const Options& options) : 
   const auto area = [](const geometry::Box<T, 3>& b) {
     return surface_area(geometry::Box3d{geometry::Vec3d(b.low), geometry::Vec3d(b.high)});
   };
-  if (triangles_.empty() || !(area(root_.box) > 0)) return;
+  if (triangles_.empty() || !(area(root_.box()) > 0)) return;
   double cost = 0;
   const auto add = [&](const Child& c) {
-    cost += area(c.box) * (c.count > 0 ? static_cast<double>(c.count) : 1.0);
+    cost += area(c.box()) * (c.count > 0 ? static_cast<double>(c.count) : 1.0);
   };
   add(root_);
   for (const auto& node : nodes_) add(node.child[0]), add(node.child[1]);
-  s.sah_cost = cost / area(root_.box);
+  s.sah_cost = cost / area(root_.box());
 }
 
 template <class T, class RayTest>
@@ -80,18 +80,18 @@ void Bvh<Triangles<T, RayTest>>::trace(RayQuery<Primitives>& query, W& work) con
   };
   Waiting stack[bvh_max_depth];
   int height = 0;
-  const PaddedRay<T>& ray = query.padded();
+  const PaddedRay<T> ray = query.padded();  // a copy: known not to change under calls
   const T t_min = query.ray().t_min;
   T enter = t_min, exit = query.limit();
-  if (!ray.clip(root_.box, enter, exit)) return;
+  if (!ray.clip(root_.corner, enter, exit)) return;
   std::uint32_t first = root_.first, count = root_.count;
   for (;;) {
     if (count == 0) {
       work.node();
       const BvhNode<T>& node = nodes_[first];
       T enter0 = t_min, enter1 = t_min, exit0 = query.limit(), exit1 = exit0;
-      const bool hit0 = ray.clip(node.child[0].box, enter0, exit0);
-      const bool hit1 = ray.clip(node.child[1].box, enter1, exit1);
+      const bool hit0 = ray.clip(node.child[0].corner, enter0, exit0);
+      const bool hit1 = ray.clip(node.child[1].corner, enter1, exit1);
       if (hit0 && hit1) {
         const bool swap = enter1 < enter0;
         const Child &near = node.child[swap], &far = node.child[!swap];
@@ -125,7 +125,7 @@ void Bvh<Triangles<T, RayTest>>::approach(ClosestQuery<T>& query, W& work) const
   };
   Waiting stack[bvh_max_depth + 1];
   int height = 0;
-  stack[height++] = {root_.first, root_.count, distance2(query.point(), root_.box)};
+  stack[height++] = {root_.first, root_.count, distance2(query.point(), root_.box())};
   while (height > 0) {
     const Waiting top = stack[--height];
     if (query.prunes(top.distance2)) continue;
@@ -136,7 +136,8 @@ void Bvh<Triangles<T, RayTest>>::approach(ClosestQuery<T>& query, W& work) const
     }
     work.node();
     const BvhNode<T>& node = nodes_[top.first];
-    const T d[2] = {distance2(query.point(), node.child[0].box), distance2(query.point(), node.child[1].box)};
+    const T d[2] = {distance2(query.point(), node.child[0].box()),
+                    distance2(query.point(), node.child[1].box())};
     const int near = d[1] < d[0];
     for (const int i : {1 - near, near})
       if (!query.prunes(d[i])) stack[height++] = {node.child[i].first, node.child[i].count, d[i]};
@@ -152,9 +153,9 @@ std::vector<SliceCell> Bvh<Triangles<T, RayTest>>::slice(int axis, double offset
   while (!open.empty()) {
     const auto [child, depth] = open.back();
     open.pop_back();
-    if (!plane.cuts(child.box)) continue;
+    if (!plane.cuts(child.box())) continue;
     if (child.count > 0) {
-      cells.push_back({plane.outline(child.box), depth, child.count});
+      cells.push_back({plane.outline(child.box()), depth, child.count});
     } else {
       for (const Child& c : nodes_[child.first].child) open.push_back({c, depth + 1});
     }

@@ -1,0 +1,184 @@
+// KD tree over triangles: an inner node cuts its cell by one axis-aligned plane; leaves reference triangles.
+//
+// A ray visits cells front to back, carrying the interval of t in which it is in the cell, widened by
+// plane_slack. Every hit lies within hit_slack of its triangle (see ray_query.hpp), so the leaf that holds
+// the point of the hit has the hit within its interval: none is lost by rounding, and the walk may stop as
+// soon as the nearest hit so far precedes the next cell's interval. A hit found early in a cell but lying
+// behind it is kept as a bound only. Sources: Fussell and Subramanian 1988; Wald and Havran 2006 (build, see
+// build_triangles.hpp). Cost: O(n log n) to build, O(log n) expected per query, n (40 + 16 references per
+// triangle) bytes for float, about. Known weakness: a triangle in many cells is tested in each of them; cells
+// bound closest points worse than boxes.
+#pragma once
+
+#include "accel/kd_tree/build_triangles.hpp"
+#include "accel/leaf_order.hpp"
+#include "accel/slice.hpp"
+#include "accel/triangle_queries.hpp"
+
+namespace treeline::accel {
+
+template <class T, class RayTest>
+class KdTree<Triangles<T, RayTest>>
+    : public TriangleQueries<KdTree<Triangles<T, RayTest>>, Triangles<T, RayTest>> {
+  using Primitives = Triangles<T, RayTest>;
+  using Base = TriangleQueries<KdTree, Primitives>;
+  friend Base;
+
+ public:
+  using Options = KdTriangleOptions;
+
+  explicit KdTree(std::span<const geometry::Triangle<T>> triangles, const Options& options = {})
+      : KdTree(TriangleSet<T>(triangles, options), options) {}
+  explicit KdTree(const geometry::Mesh<T>& mesh, const Options& options = {})
+      : KdTree(TriangleSet<T>(mesh, options), options) {}
+
+  /// The cells of the leaves; they tile the box of all triangles.
+  std::vector<SliceCell> slice(int axis, double offset) const;
+
+ private:
+  using Node = KdTriangleNode<T>;
+
+  KdTree(TriangleSet<T>&& set, const Options& options);
+  template <bool any, class W>
+  void trace(RayQuery<Primitives>& query, W& work) const;
+  template <class W>
+  void approach(ClosestQuery<T>& query, W& work) const;
+
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> references_;
+  std::vector<StoredTriangle<T>> triangles_;
+};
+
+template <class T, class RayTest>
+KdTree<Triangles<T, RayTest>>::KdTree(TriangleSet<T>&& set, const Options& options) : Base(set) {
+  KdTriangleBuilder<T> built(set, options);
+  nodes_ = std::move(built.nodes);
+  references_ = std::move(built.references);
+  triangles_ = std::move(set.items);
+  put_in_leaf_order(triangles_, references_);
+  TreeStats& s = this->stats_;
+  s.references = references_.size();
+  s.leaves = built.leaves;
+  s.inner_nodes = nodes_.size() - built.leaves;
+  s.depth = built.depth;
+  s.largest_leaf = built.largest_leaf;
+  s.sah_cost = built.cost;
+  s.bytes = sizeof(*this) + nodes_.capacity() * sizeof(Node) +
+            references_.capacity() * sizeof(std::uint32_t) +
+            triangles_.capacity() * sizeof(StoredTriangle<T>);
+}
+
+template <class T, class RayTest>
+template <bool any, class W>
+void KdTree<Triangles<T, RayTest>>::trace(RayQuery<Primitives>& query, W& work) const {
+  struct Waiting {
+    std::uint32_t node;
+    T t0, t1;
+  };
+  Waiting stack[kd_stack_size];
+  int height = 0;
+  const PaddedRay<T> ray = query.padded();  // a copy: known not to change under calls
+  T t0 = query.ray().t_min, t1 = query.limit();
+  if (!ray.clip(this->bounds_, t0, t1)) return;
+  std::uint32_t at = 0;
+  for (;;) {
+    const Node& node = nodes_[at];
+    if (!node.leaf()) {
+      work.node();
+      const int axis = static_cast<int>(node.axis);
+      const T leave = ray.exit(axis, node.offset), enter = ray.enter(axis, node.offset);
+      const T near_t1 = leave < t1 ? leave : t1, far_t0 = enter > t0 ? enter : t0;  // NaN: no bound
+      const std::uint32_t side[2] = {at + 1, node.link};
+      const std::size_t near = ray.backward(axis);
+      if (t0 <= near_t1) {
+        if (far_t0 <= t1) stack[height++] = {side[1 - near], far_t0, t1};
+        at = side[near], t1 = near_t1;
+        continue;
+      }
+      if (far_t0 <= t1) {
+        at = side[1 - near], t0 = far_t0;
+        continue;
+      }
+    } else if (node.count > 0) {
+      work.primitive(node.count);
+      if (query.template test<any>(triangles_.data(), references_.data() + node.link, node.count)) return;
+    }
+    do {
+      if (height == 0) return;
+      --height;
+    } while (stack[height].t0 > query.limit());
+    at = stack[height].node, t0 = stack[height].t0, t1 = stack[height].t1;
+  }
+}
+
+template <class T, class RayTest>
+template <class W>
+void KdTree<Triangles<T, RayTest>>::approach(ClosestQuery<T>& query, W& work) const {
+  struct Waiting {
+    std::uint32_t node;
+    geometry::Vec<T, 3> gap;  // from the point to the cell, along each axis
+  };
+  Waiting stack[kd_stack_size];
+  int height = 0;
+  const geometry::Vec<T, 3>& p = query.point();
+  const T slack = query.slack();
+  Waiting now{0, {}};
+  for (int k = 0; k < 3; ++k)
+    now.gap[k] = std::max({this->bounds_.low[k] - p[k] - slack, p[k] - this->bounds_.high[k] - slack, T(0)});
+  for (;;) {
+    while (!query.prunes(length2(now.gap))) {
+      const Node& node = nodes_[now.node];
+      if (node.leaf()) {
+        work.primitive(node.count);
+        query.test(triangles_.data(), references_.data() + node.link, node.count);
+        break;
+      }
+      work.node();
+      const T beyond = p[static_cast<int>(node.axis)] - node.offset;
+      const std::uint32_t side[2] = {now.node + 1, node.link};
+      Waiting far = now;
+      far.node = side[beyond < T(0)];
+      T& gap = far.gap[static_cast<int>(node.axis)];
+      gap = std::max(gap, std::abs(beyond) - slack);
+      if (!query.prunes(length2(far.gap))) stack[height++] = far;
+      now.node = side[!(beyond < T(0))];
+    }
+    if (height == 0) return;
+    now = stack[--height];
+  }
+}
+
+template <class T, class RayTest>
+std::vector<SliceCell> KdTree<Triangles<T, RayTest>>::slice(int axis, double offset) const {
+  const SlicePlane<3> plane(axis, offset);
+  struct Open {
+    std::uint32_t node;
+    geometry::Box<T, 3> cell;
+    std::size_t depth;
+  };
+  std::vector<SliceCell> cells;
+  std::vector<Open> open;
+  if (this->size() > 0) open.push_back({0, this->bounds_, 0});
+  while (!open.empty()) {
+    const Open now = open.back();
+    open.pop_back();
+    if (!plane.cuts(now.cell)) continue;
+    const Node& node = nodes_[now.node];
+    if (node.leaf()) {
+      cells.push_back({plane.outline(now.cell), now.depth, node.count});
+      continue;
+    }
+    Open below{now.node + 1, now.cell, now.depth + 1}, above{node.link, now.cell, now.depth + 1};
+    const int k = static_cast<int>(node.axis);
+    below.cell.high[k] = above.cell.low[k] = node.offset;
+    open.push_back(below), open.push_back(above);
+  }
+  return cells;
+}
+
+static_assert(TriangleIndex<KdTree<Triangles<float, geometry::Watertight>>>);
+static_assert(TriangleIndex<KdTree<Triangles<float, geometry::MollerTrumbore>>>);
+static_assert(TriangleIndex<KdTree<Triangles<double, geometry::Watertight>>>);
+static_assert(TriangleIndex<KdTree<Triangles<double, geometry::MollerTrumbore>>>);
+
+}  // namespace treeline::accel
