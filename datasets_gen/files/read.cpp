@@ -1,0 +1,133 @@
+#include "datasets_gen/files/read.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+
+#include "datasets_gen/files/input.hpp"
+#include "geometry/adjacency.hpp"
+
+namespace treeline::datasets {
+namespace files {
+namespace {
+
+constexpr std::string_view known_extensions = "ply, obj, stl, off, gltf, glb, pcd, xyz, txt, csv";
+
+/// Float rounds a coordinate by at most this share of the extent before a note is due.
+constexpr double noted_rounding = 1e-6;
+
+[[maybe_unused, noreturn]] void not_built(const Input& in, const char* package) {
+  in.fail("", std::string("reading this format needs ") + package + ", which this program was built without");
+}
+
+Input load(const std::filesystem::path& path) {
+  Input in{path, {}};
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) in.fail("", "no such file");
+  if (!std::filesystem::is_regular_file(path, error)) in.fail("", "not a regular file");
+  const auto size = std::filesystem::file_size(path, error);
+  std::ifstream stream(path, std::ios::binary);
+  if (error || !stream) in.fail("", "cannot be opened for reading");
+  if (size == 0) in.fail("", "the file is empty");
+  in.bytes.resize(size);
+  if (!stream.read(in.bytes.data(), static_cast<std::streamsize>(size)))
+    in.fail("byte " + std::to_string(stream.gcount()), "reading stops here");
+  return in;
+}
+
+struct Loaded {
+  Raw raw;
+  Coordinates coordinates;  // from the check, where the library gives floats only
+};
+
+Loaded load_openmesh([[maybe_unused]] const Input& in, [[maybe_unused]] const std::string& extension) {
+#ifdef TREELINE_HAVE_OPENMESH
+  const Checked checked = extension == "ply"   ? check_ply(in)
+                          : extension == "obj" ? check_obj(in)
+                          : extension == "off" ? check_off(in)
+                                               : check_stl(in);
+  return {read_openmesh(in, extension, checked), checked.coordinates};
+#else
+  not_built(in, "OpenMesh");
+#endif
+}
+
+Loaded load_by(const Input& in, const std::string& extension) {
+  if (extension == "ply" || extension == "obj" || extension == "off" || extension == "stl")
+    return load_openmesh(in, extension);
+  if (extension == "xyz" || extension == "txt" || extension == "csv") return {read_xyz(in), {}};
+  if (extension == "gltf" || extension == "glb") {
+#ifdef TREELINE_HAVE_ASSIMP
+    return {read_assimp(in), {}};
+#else
+    not_built(in, "assimp");
+#endif
+  }
+  if (extension == "pcd") {
+#ifdef TREELINE_HAVE_PCL
+    return {read_pcd(in), {}};
+#else
+    not_built(in, "PCL");
+#endif
+  }
+  in.fail("", extension.empty()
+                  ? "has no extension to tell its format by; known: " + std::string(known_extensions)
+                  : "unknown extension ." + extension + "; known: " + std::string(known_extensions));
+}
+
+/// Rounds to float, and notes what got lost.
+std::vector<geometry::Vec3f> to_float(const Input& in, const Raw& raw, Coordinates& c, Dataset& to) {
+  const bool measured = c.low <= c.high;
+  std::vector<geometry::Vec3f> r(raw.points.size());
+  std::size_t odd = 0, first_odd = 0;
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    r[i] = geometry::Vec3f(raw.points[i]);
+    for (int k = 0; k < 3; ++k)
+      if (!measured && !c.add(raw.points[i][k], r[i][k]))
+        in.fail("point " + std::to_string(i), "a coordinate beyond the range of float");
+    if (!geometry::is_finite(r[i]) && odd++ == 0) first_odd = i;
+  }
+  if (odd > 0)
+    to.notes.push_back(std::to_string(odd) +
+                       " points have a coordinate that is not finite, the first is number " +
+                       std::to_string(first_odd));
+  if (c.high > c.low && c.largest_error > noted_rounding * (c.high - c.low))
+    to.notes.push_back("float rounds coordinates by up to " +
+                       std::to_string(c.largest_error / (c.high - c.low)) + " of the extent");
+  return r;
+}
+
+}  // namespace
+}  // namespace files
+
+Dataset read(const std::filesystem::path& path) {
+  const files::Input in = files::load(path);
+  std::string extension = path.extension().string();
+  if (!extension.empty()) extension.erase(0, 1);
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+
+  files::Loaded loaded = files::load_by(in, extension);
+  files::Raw& raw = loaded.raw;
+  if (raw.points.empty()) in.fail("", "holds no points");
+  if (raw.points.size() > 0xfffffffeu || raw.faces.size() > 0xffffffffu / 3)
+    in.fail("", "holds more than 2^32 - 2 points, or a third as many triangles");
+
+  Dataset r;
+  r.name = path.filename().string();
+  r.notes = std::move(raw.notes);
+  std::vector<geometry::Vec3f> points = files::to_float(in, raw, loaded.coordinates, r);
+  if (!raw.is_mesh) {
+    r.kind = Kind::cloud;
+    r.cloud.points = std::move(points);
+    return r;
+  }
+  if (raw.faces.empty()) in.fail("", "holds no triangle");
+  r.kind = Kind::mesh;
+  r.mesh.vertices = std::move(points);
+  r.mesh.faces = std::move(raw.faces);
+  const geometry::Adjacency adjacency(r.mesh);
+  r.closed = adjacency.closed() && adjacency.oriented();
+  return r;
+}
+
+}  // namespace treeline::datasets

@@ -1,0 +1,123 @@
+#include "datasets_gen/files/write.hpp"
+
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+
+namespace treeline::datasets {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "binary files are written as the memory has them");
+
+/// Collects bytes and passes them on in large pieces.
+class Sink {
+ public:
+  explicit Sink(std::ofstream& to) : to_(to) {}
+  ~Sink() { flush(); }
+
+  Sink& operator<<(std::string_view text) {
+    buffer_ += text;
+    if (buffer_.size() > (1u << 20)) flush();
+    return *this;
+  }
+  Sink& operator<<(std::size_t value) { return *this << std::string_view(std::to_string(value)); }
+  /// Shortest decimal that reads back as the same float.
+  Sink& operator<<(float value) {
+    char text[32];
+    const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+    return *this << std::string_view(text, static_cast<std::size_t>(end - text));
+  }
+  template <class T>
+  void raw(const T& value) {
+    char bytes[sizeof value];
+    std::memcpy(bytes, &value, sizeof value);
+    *this << std::string_view(bytes, sizeof value);
+  }
+  void line(std::string_view start, const geometry::Vec3f& p) {
+    *this << start << p[0] << std::string_view(" ") << p[1] << std::string_view(" ") << p[2]
+          << std::string_view("\n");
+  }
+
+ private:
+  void flush() { to_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size())), buffer_.clear(); }
+
+  std::ofstream& to_;
+  std::string buffer_;
+};
+
+const std::vector<geometry::Vec3f>& points_of(const Dataset& d) {
+  return d.kind == Kind::cloud ? d.cloud.points : d.mesh.vertices;
+}
+
+void write_ply(const Dataset& d, Sink& to) {
+  to << "ply\nformat binary_little_endian 1.0\ncomment treeline " << d.name << " seed " << std::size_t{d.seed}
+     << "\nelement vertex " << points_of(d).size()
+     << "\nproperty float x\nproperty float y\nproperty float z\n";
+  if (d.kind == Kind::mesh)
+    to << "element face " << d.mesh.faces.size() << "\nproperty list uchar uint vertex_indices\n";
+  to << "end_header\n";
+  for (const auto& p : points_of(d)) to.raw(p);
+  for (const auto& f : d.mesh.faces) to.raw(std::uint8_t{3}), to.raw(f);
+}
+
+void write_obj(const Dataset& d, Sink& to) {
+  to << "# treeline " << d.name << " seed " << std::size_t{d.seed} << "\n";
+  for (const auto& p : points_of(d)) to.line("v ", p);
+  for (const auto& f : d.mesh.faces)
+    to << "f " << std::size_t{f[0]} + 1 << " " << std::size_t{f[1]} + 1 << " " << std::size_t{f[2]} + 1
+       << "\n";
+}
+
+void write_pcd(const Dataset& d, Sink& to) {
+  const std::size_t n = d.cloud.size();
+  to << "# .PCD v0.7 - treeline " << d.name << " seed " << std::size_t{d.seed}
+     << "\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " << n
+     << "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " << n << "\nDATA binary\n";
+  for (const auto& p : d.cloud.points) to.raw(p);
+}
+
+void write_xyz(const Dataset& d, Sink& to) {
+  for (const auto& p : d.cloud.points) to.line("", p);
+}
+
+}  // namespace
+
+void write(const Dataset& dataset, const std::filesystem::path& path, bool overwrite) {
+  const std::string extension = path.extension().string();
+  const bool cloud = dataset.kind == Kind::cloud;
+  void (*writer)(const Dataset&, Sink&) = nullptr;
+  if (extension == ".ply") writer = write_ply;
+  if (extension == ".obj") writer = write_obj;
+  if (extension == ".pcd" && cloud) writer = write_pcd;
+  if (extension == ".xyz" && cloud) writer = write_xyz;
+  if (!writer)
+    throw FileError(
+        path, "",
+        cloud ? "clouds are written as .ply, .obj, .pcd or .xyz" : "meshes are written as .ply or .obj");
+  if (writer == write_obj || writer == write_xyz)
+    for (std::size_t i = 0; i < points_of(dataset).size(); ++i)
+      if (!geometry::is_finite(points_of(dataset)[i]))
+        throw FileError(path, "point " + std::to_string(i),
+                        "text cannot hold a coordinate that is not finite");
+
+  std::error_code error;
+  if (!overwrite && std::filesystem::exists(path, error)) throw FileError(path, "", "exists already");
+  // Under another name until it is complete.
+  std::filesystem::path part = path;
+  part += ".part";
+  std::ofstream stream(part, std::ios::binary | std::ios::trunc);
+  if (!stream) throw FileError(path, "", "cannot be opened for writing");
+  {
+    Sink sink(stream);
+    writer(dataset, sink);
+  }
+  stream.close();
+  if (stream) std::filesystem::rename(part, path, error);
+  if (!stream || error) {
+    std::filesystem::remove(part, error);
+    throw FileError(path, "", "writing failed; is the disk full?");
+  }
+}
+
+}  // namespace treeline::datasets
