@@ -2,6 +2,7 @@
 // answers nor their order depend on how many threads there are or which of them ran a chunk.
 #pragma once
 
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
@@ -28,7 +29,9 @@ void parallel_ranges(std::size_t n, int threads, F&& f) {
   if (n == 0) return;
   if (threads == 1 || n <= batch_chunk) return static_cast<void>(f(std::size_t{0}, n));
   const std::size_t chunks = (n + batch_chunk - 1) / batch_chunk;
-  tbb::task_arena arena(threads);
+  // Asking TBB for more workers than it may have makes it print.
+  const std::size_t most = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  tbb::task_arena arena(static_cast<int>(std::min<std::size_t>(most, static_cast<std::size_t>(threads))));
   arena.execute([&] {
     tbb::parallel_for(std::size_t{0}, chunks,
                       [&](std::size_t c) { f(c * batch_chunk, std::min(n, (c + 1) * batch_chunk)); });

@@ -27,7 +27,7 @@ class SortedBest {
   }
   void finish() {}
 
-  static constexpr std::size_t largest_k = 48;  // measured: from here on the heap is faster
+  static constexpr std::size_t largest_k = 96;  // measured on 3e5 float points: as fast as the heap at 128
 
  private:
   std::span<Neighbor<T>> best_;

@@ -25,11 +25,12 @@ inline Outline clipped(const Outline& outline, const geometry::Vec2d& normal, do
   return kept;
 }
 
-/// Twice the area is the sum of the cross products; positive for a counter-clockwise outline.
+/// Positive for a counter-clockwise outline. Summed as triangles at the first corner, so that outlines far
+/// from the origin keep their digits.
 inline double area(std::span<const geometry::Vec2d> outline) {
   double twice = 0;
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    const auto &a = outline[i], &b = outline[(i + 1) % outline.size()];
+  for (std::size_t i = 2; i < outline.size(); ++i) {
+    const geometry::Vec2d a = outline[i - 1] - outline[0], b = outline[i] - outline[0];
     twice += a[0] * b[1] - a[1] * b[0];
   }
   return twice / 2;

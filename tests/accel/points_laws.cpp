@@ -1,0 +1,93 @@
+// Laws that need no truth, on clouds that RapidCheck makes up (and shrinks when one breaks).
+#include <gtest/gtest.h>
+
+// After gtest, which it needs but does not include.
+#include <rapidcheck/gtest.h>
+
+#include "points_common.hpp"
+
+namespace treeline::accel::test {
+namespace {
+
+using V = geometry::Vec3f;
+
+/// Few distinct coordinates of very different size, so that ties, lines and gaps come up often.
+rc::Gen<V> any_point() {
+  const auto coordinate =
+      rc::gen::oneOf(rc::gen::map(rc::gen::inRange(-3, 4), [](int i) { return float(i); }),
+                     rc::gen::map(rc::gen::inRange(-1000, 1000), [](int i) { return float(i) * 0.001f; }),
+                     rc::gen::map(rc::gen::inRange(-40, 30), [](int i) { return std::ldexp(1.f, i); }));
+  return rc::gen::map(rc::gen::tuple(coordinate, coordinate, coordinate), [](const auto& t) {
+    return V{std::get<0>(t), std::get<1>(t), std::get<2>(t)};
+  });
+}
+rc::Gen<std::vector<V>> any_cloud() { return rc::gen::container<std::vector<V>>(any_point()); }
+
+template <class Check>
+void on_all_trees(const std::vector<V>& points, Check&& check) {
+  const int leaf_size = *rc::gen::inRange(1, 10);
+  for_each_tree<float, 3>(
+      points, [&](const std::string&, const auto& tree) { check(tree); }, leaf_size);
+}
+
+RC_GTEST_PROP(PointLaws, EveryTreeEqualsBruteForce, ()) {
+  const auto points = *any_cloud();
+  const V q = *any_point();
+  const auto k = static_cast<std::size_t>(*rc::gen::inRange(1, 130));
+  const BruteForce<Points<float, 3>> brute(points);
+  std::vector<Neighbor<float>> truth(k), mine(k);
+  const std::size_t m = brute.nearest(q, k, truth);
+  on_all_trees(points, [&](const auto& tree) {
+    RC_ASSERT(tree.nearest(q, k, mine) == m);
+    RC_ASSERT(mine == truth);
+  });
+}
+
+RC_GTEST_PROP(PointLaws, TheKthDistanceNeverShrinksAndPrefixesAgree, ()) {
+  const auto points = *any_cloud();
+  const V q = *any_point();
+  on_all_trees(points, [&](const auto& tree) {
+    std::vector<Neighbor<float>> all(points.size()), some(points.size());
+    if (points.empty()) return;
+    RC_ASSERT(tree.nearest(q, points.size(), all) == points.size());
+    RC_ASSERT(std::ranges::is_sorted(all, [](const auto& a, const auto& b) { return a < b; }));
+    for (std::size_t k = 1; k <= points.size(); k += 1 + k / 4) {
+      tree.nearest(q, k, some);
+      RC_ASSERT(std::equal(some.begin(), some.begin() + static_cast<std::ptrdiff_t>(k), all.begin()));
+    }
+  });
+}
+
+RC_GTEST_PROP(PointLaws, APointFindsItself, ()) {
+  const auto points = *rc::gen::nonEmpty(any_cloud());
+  const auto i = *rc::gen::inRange<std::size_t>(0, points.size());
+  on_all_trees(points, [&](const auto& tree) {
+    std::vector<Neighbor<float>> out(1);
+    tree.nearest(points[i], 1, out);
+    RC_ASSERT(out[0].distance2 == 0.f);
+    RC_ASSERT(points[out[0].id] == points[i]);
+    RC_ASSERT(out[0].id <= i);
+    std::vector<Id> ids;
+    tree.inside({points[i], points[i]}, ids);
+    RC_ASSERT(std::ranges::find(ids, static_cast<Id>(i)) != ids.end());
+    tree.within(points[i], 0.f, out);
+    RC_ASSERT(std::ranges::any_of(out, [&](const auto& n) { return n.id == i; }));
+  });
+}
+
+RC_GTEST_PROP(PointLaws, ABallHoldsExactlyTheNeighboursWithinIt, ()) {
+  const auto points = *any_cloud();
+  const V q = *any_point();
+  const float radius = std::ldexp(1.f, *rc::gen::inRange(-20, 10));  // its square is exact
+  on_all_trees(points, [&](const auto& tree) {
+    std::vector<Neighbor<float>> ball, all(points.size());
+    tree.within(q, radius, ball);
+    std::sort(ball.begin(), ball.end());
+    if (!points.empty()) tree.nearest(q, points.size(), all);
+    std::erase_if(all, [&](const auto& n) { return n.distance2 > radius * radius; });
+    RC_ASSERT(ball == all);
+  });
+}
+
+}  // namespace
+}  // namespace treeline::accel::test
