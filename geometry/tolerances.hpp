@@ -53,10 +53,11 @@ inline constexpr T on_plane = T(16) * unit_roundoff<T>;
 template <class T>
 inline constexpr T oblique_slack = T(96) * unit_roundoff<T>;
 
-/// Error of a computed closest point, relative to the largest coordinate involved: 4 roundings to find it on
-/// an edge or face, 4 for the plane distance it is compared with, doubled.
+/// Slack of a bound on the distance to a closest point, relative to the largest coordinate involved: 4
+/// roundings to find the point, along each of three axes (12 sqrt(3) = 21), and 7 of a plane's distance, over
+/// lengths of up to twice a box's diagonal half (24); 64 covers the sum.
 template <class T>
-inline constexpr T closest_slack = T(16) * unit_roundoff<T>;
+inline constexpr T closest_slack = T(64) * unit_roundoff<T>;
 
 /// A hit whose barycentric coordinates and cosine of incidence all exceed this tells for certain on which
 /// side of the triangle the ray came from: half the digits.
