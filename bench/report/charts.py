@@ -1,8 +1,8 @@
 """The charts, as Altair draws them. Each is built once and used twice: in the page, which feeds it rows by name, and
 as static SVG and PNG, which carry their own.
 
-A point's fields: i (row), method, ours, x, lo, hi (ns per query), y (pixel, from layout.py), front, slot, n,
-build (ns per element), bytes (per element), label.
+A point's fields: i (row), method, x, lo, hi (ns per query), y (pixel, from layout.py), front, slot, n,
+build (ns per element), bytes (per element).
 """
 
 import altair as alt
@@ -13,6 +13,7 @@ DURATION = (
     "datum.value >= 1e3 ? format(datum.value / 1e3, '~g') + ' µs' : format(datum.value, '~g') + ' ns'"
 )
 DIM = 0.42
+LEAST = 0.1  # bytes per element, and ns of building: zero has no place on a logarithmic axis
 INK, FAINT = "currentColor", "#8884"
 
 
@@ -23,19 +24,30 @@ def _scales(looks):
     return color, shape
 
 
+def _fills(looks):
+    """Peers are hollow; `transparent`, unlike no fill at all, can be pointed at."""
+    return alt.Scale(domain=list(looks), range=[o.color if o.filled else "transparent" for o in looks.values()])
+
+
 def _pick(shown):
     """Opacity of a mark: `shown`, unless the reader picked another method in the legend."""
     return alt.expr(f"pick == '' || datum.method == pick ? {shown} : 0.06")
 
 
+def _key(legend):
+    """The legend of a chart that stands alone; in the page one for all charts stands above them."""
+    if not legend:
+        return None
+    return alt.Legend(title=None, symbolSize=60, symbolStrokeWidth=1.6, columns=1, labelLimit=220, offset=48,
+                      symbolOpacity=1)  # fmt: skip
+
+
 def _points(base, looks, legend, size=44, shown="1"):
     color, shape = _scales(looks)
-    key = alt.Legend(title=None, symbolSize=60, symbolStrokeWidth=1.6, columns=1, labelLimit=220) if legend else None
-    return base.mark_point(
-        strokeWidth=1.6, size=size, opacity=_pick(shown), fillOpacity=alt.expr("datum.ours ? 0.85 : 0")
-    ).encode(
+    key = _key(legend)
+    return base.mark_point(strokeWidth=1.6, size=size, opacity=_pick(shown)).encode(
         stroke=alt.Stroke("method:N", scale=color, legend=key),
-        fill=alt.Fill("method:N", scale=color, legend=None),
+        fill=alt.Fill("method:N", scale=_fills(looks), legend=key),
         shape=alt.Shape("method:N", scale=shape, legend=key),
         tooltip=alt.Tooltip("i:Q"),
     )  # fmt: skip
@@ -53,7 +65,7 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
     axis = alt.Axis(values=list(ticks), labelExpr=labels, labelOverlap=False, labelLimit=120, title=None, ticks=False,
                     domain=False, gridOpacity=0.5)  # fmt: skip
     y = alt.Y("y:Q", scale=scale, axis=axis)
-    x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, padding=14),
+    x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, padding=48),
               axis=alt.Axis(labelExpr=DURATION, title=f"time per {element}, log", tickCount=6, gridOpacity=0.5,
                             labelOverlap="greedy", labelSeparation=8))  # fmt: skip
     zones = [{"zone": name, "from": top, "to": end} for name, top, end in layout.zones()]
@@ -74,16 +86,22 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
                                                         interpolate="step-after")
         .encode(x=x, y=y, order=alt.Order("x:Q")),
         timed.mark_rule(strokeWidth=1.6, opacity=_pick(f"datum.front ? 0.9 : {DIM}"))
-        .encode(x=alt.X("lo:Q"), x2="hi:Q", y=y, stroke=alt.Stroke("method:N", scale=color, legend=None)),
-        _points(timed, looks, legend, shown=f"datum.front ? 1 : {DIM}").encode(x=x, y=y),
-        _points(base.transform_filter("!isValid(datum.x) && isValid(datum.slot)"), looks, False)
+        .encode(x=alt.X("lo:Q"), x2="hi:Q", y=y, stroke=alt.Stroke("method:N", scale=color, legend=_key(legend))),
+        _points(timed, looks, legend, alt.expr("datum.front ? 80 : 40"), f"datum.front ? 1 : {DIM}").encode(x=x, y=y),
+        _points(base.transform_filter("!isValid(datum.x) && isValid(datum.slot)"), looks, legend)
         .encode(x=alt.value(alt.expr("width - 7 - 13 * datum.slot")), y=y),
     ]  # fmt: skip
+    told = DURATION.replace("datum.value", "datum.x").replace("'~g'", "'.3~g'")
+    front = timed.transform_filter("datum.front").transform_calculate(time=told)
+    lane = front.transform_filter(f"datum.y >= {layout.exact_start}")  # nothing is to the left of these
+    layers.append(lane.mark_text(align="right", dx=-9, fontSize=10, fontWeight="bold", fill=INK, opacity=_pick("1"))
+                  .encode(x=x, y=y, text="time:N"))  # fmt: skip
     if layout.field:
         top, bottom, _, _ = layout.field
-        names = timed.transform_filter(f"datum.front && datum.y > {top - 1} && datum.y < {bottom + 1}")
-        layers.append(names.mark_text(align="left", dx=8, dy=-7, fontSize=10, fill=INK, opacity=_pick("0.85"))
-                      .encode(x=x, y=y, text="method:N"))  # fmt: skip
+        inexact = front.transform_filter(f"datum.y < {layout.exact_start}")
+        inexact = inexact.transform_calculate(name="datum.method + ', ' + datum.time")
+        layers.append(inexact.mark_text(align="left", dx=8, dy=-8, fontSize=10, fill=INK, opacity=_pick("0.85"))
+                      .encode(x=x, y=y, text="name:N"))  # fmt: skip
         notes = alt.Data(values=[{"y": (top + bottom) / 2, "text": error}])
         layers.append(alt.Chart(notes).mark_text(angle=270, fontSize=11, fill=INK, x=-56).encode(y=y, text="text:N"))
     chart = alt.layer(*layers).resolve_scale(color="independent", stroke="shared", shape="shared")
@@ -91,12 +109,14 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
     return chart
 
 
-def lanes_chart(data, field, title, methods, looks, log, legend=False, width="container"):
+def lanes_chart(data, field, title, methods, looks, legend=False, width="container"):
     """One figure of a build, a lane for each method."""
-    scale = alt.Scale(type="log", nice=False, padding=10) if log else alt.Scale(zero=True, nice=True)
-    labels = DURATION if field == "build" else alt.Undefined
-    axis = alt.Axis(title=title, tickCount=4, labelExpr=labels, gridOpacity=0.5, labelOverlap="greedy", labelSeparation=8)
-    base = alt.Chart(data).transform_filter(f"isValid(datum.{field})" + (f" && datum.{field} > 0" if log else ""))
+    scale = alt.Scale(type="log", nice=False, padding=10)
+    labels = DURATION if field == "build" else f"datum.value <= {LEAST} ? '≤ {LEAST}' : format(datum.value, '~s')"
+    axis = alt.Axis(
+        title=title, tickCount=4, labelExpr=labels, gridOpacity=0.5, labelOverlap="greedy", labelSeparation=8
+    )
+    base = alt.Chart(data).transform_filter(f"isValid(datum.{field})")
     y = alt.Y("method:N", sort=list(methods), scale=alt.Scale(domain=list(methods)),
               axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=120))  # fmt: skip
     chart = _points(base, looks, legend).encode(x=alt.X(f"{field}:Q", scale=scale, axis=axis), y=y)
@@ -113,18 +133,18 @@ def scaling_chart(data, looks, element, query, legend=False, width="container", 
                             labelOverlap="greedy", labelSeparation=8))  # fmt: skip
     base = alt.Chart(data)
     line = base.mark_line(strokeWidth=1.4, opacity=_pick("0.8")).encode(
-        x=x, y=y, stroke=alt.Stroke("method:N", scale=color, legend=None))  # fmt: skip
+        x=x, y=y, stroke=alt.Stroke("method:N", scale=color, legend=_key(legend)))  # fmt: skip
     rule = base.mark_rule(strokeWidth=1.4, opacity=_pick("0.8")).encode(
-        x=x, y=alt.Y("lo:Q"), y2="hi:Q", stroke=alt.Stroke("method:N", scale=color, legend=None))  # fmt: skip
+        x=x, y=alt.Y("lo:Q"), y2="hi:Q", stroke=alt.Stroke("method:N", scale=color, legend=_key(legend)))  # fmt: skip
     dots = _points(base, looks, legend).encode(x=x, y=y)
     chart = alt.layer(line, rule, dots).add_params(_pick_param())
     return chart.properties(width=width, height=height)
 
 
-def theme(chart):
+def theme(chart, background="transparent", font="system-ui, sans-serif"):
     """Text and grid that read on light and dark alike."""
     return (
-        chart.configure(background="transparent", font="system-ui, sans-serif")
+        chart.configure(background=background, font=font)
         .configure_view(stroke=FAINT)
         .configure_axis(labelColor=INK, titleColor=INK, gridColor=FAINT, domainColor=FAINT, tickColor=FAINT,
                         labelFontSize=10, titleFontSize=11, titleFontWeight="normal")

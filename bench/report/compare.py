@@ -19,7 +19,7 @@ if __package__ in (None, ""):  # run as a file
 from bench.report import rows as reader
 from bench.report.frontier import shown_error
 from bench.report.units import duration, figure
-from bench.report.winners import interval
+from bench.report.winners import apart, interval
 
 
 @dataclass
@@ -58,12 +58,14 @@ def _change(a, b):
             return Change("error", eb > ea, a, b, f"{figure(ea)} -> {figure(eb)}")
     if a.query_ns is None or b.query_ns is None:
         return Change("same", False, a, b, a.status)
-    (low_a, high_a), (low_b, high_b) = interval(a), interval(b)
-    text = (f"{duration(a.query_ns)} [{duration(low_a)}, {duration(high_a)}] -> "
-            f"{duration(b.query_ns)} [{duration(low_b)}, {duration(high_b)}], {b.query_ns / a.query_ns:.2f}x the time")  # fmt: skip
-    if low_b > high_a:
-        return Change("slower", True, a, b, text)
-    return Change("faster" if high_b < low_a else "same", False, a, b, text)
+    text = f"{_time(a)} -> {_time(b)}, {b.query_ns / a.query_ns:.2f}x the time"
+    verdict = apart(b, a)
+    return Change("slower" if verdict > 0 else "faster" if verdict < 0 else "same", verdict > 0, a, b, text)
+
+
+def _time(row):
+    known = interval(row)
+    return duration(row.query_ns) + (f" [{duration(known[0])}, {duration(known[1])}]" if known else "")
 
 
 def summary(changes):
@@ -71,7 +73,9 @@ def summary(changes):
     timed = [c for c in changes if c.a.query_ns and c.b.query_ns]
     for task in dict.fromkeys(c.b.task for c in timed):
         ratios = [log(c.b.query_ns / c.a.query_ns) for c in timed if c.b.task == task]
-        lines.append(f"{task}: {len(ratios)} common timed cells, geometric mean {exp(sum(ratios) / len(ratios)):.3f}x the time")
+        lines.append(
+            f"{task}: {len(ratios)} common timed cells, geometric mean {exp(sum(ratios) / len(ratios)):.3f}x the time"
+        )
     kinds = [c.kind for c in changes]
     lines.append(", ".join(f"{kinds.count(k)} {k}" for k in ("slower", "faster", "error", "status", "same")))
     return "\n".join(lines)

@@ -13,7 +13,7 @@ from math import ceil, floor, log10
 from bench.report.frontier import charted, frontier, groups, right, shown_error
 from bench.report.rows import FAILURES
 
-RAIL, LANE, DECADE, GAP = 17, 14, 22, 10  # pixels
+RAIL, LANE, LANE_MOST, DECADE, GAP = 17, 14, 30, 22, 10  # pixels
 FIELD_LEAST, FIELD_MOST, WHOLE = 130, 260, 330
 
 
@@ -41,10 +41,11 @@ class Layout:
             self.field = (y + 6, y + 6 + pixels, low, high)
             y += pixels + 12
         self.exact_start = y = y + (GAP if y > 4 else 0)
+        lane = min(max(LANE, (WHOLE - y) / max(len(exact), 1)), LANE_MOST)
         for method in methods:
             if method in exact:
-                self.lanes[method] = y + LANE / 2
-                y += LANE
+                self.lanes[method] = round(y + lane / 2, 2)
+                y += lane
         self.height = y + 4
 
     def y(self, row):

@@ -32,7 +32,9 @@ class TaskModel:
         return [r for r in self.soft if r.dataset == dataset]
 
     def methods(self, dataset, figure):
-        return [m for m in self.looks if any(r.method == m and getattr(r, figure) for r in self.of(dataset))]
+        return [
+            m for m in self.looks if any(r.method == m and getattr(r, figure) is not None for r in self.of(dataset))
+        ]
 
 
 def task_models(rows):
@@ -49,10 +51,10 @@ def chart_list(task):
             chart = charts.frontier_chart(data, layout, task.looks, text.query, text.error)
             yield f"{task.name}-{k}-frontier", "frontier", dataset, chart
         if methods := task.methods(dataset, "build_s"):
-            chart = charts.lanes_chart(data, "build", f"build time per {text.element}, log", methods, task.looks, True)
+            chart = charts.lanes_chart(data, "build", f"build time per {text.element}, log", methods, task.looks)
             yield f"{task.name}-{k}-build", "build", dataset, chart
         if methods := task.methods(dataset, "bytes"):
-            chart = charts.lanes_chart(data, "bytes", f"bytes per {text.element}", methods, task.looks, False)
+            chart = charts.lanes_chart(data, "bytes", f"bytes per {text.element}, log", methods, task.looks)
             yield f"{task.name}-{k}-bytes", "bytes", dataset, chart
         if len({r.size for r in rows if r.query_ns is not None}) > 1:
             chart = charts.scaling_chart(data, task.looks, text.element, text.query)
@@ -90,7 +92,13 @@ def table(models):
                 r.error_floor, nodes, primitives, int(id(r) in front), int(id(r) in best),
                 task.layouts[r.dataset].y(r), slots.get(id(r)),
             ])  # fmt: skip
-    return {"columns": COLUMNS, "text_columns": len(TEXT), "strings": list(strings), "rows": lines}
+    return {
+        "columns": COLUMNS,
+        "least": charts.LEAST,
+        "text_columns": len(TEXT),
+        "strings": list(strings),
+        "rows": lines,
+    }
 
 
 def points(task, rows):
@@ -98,11 +106,11 @@ def points(task, rows):
     front, best, slots = marks(task.soft)
     for i, r in enumerate(rows):
         yield {
-            "i": i, "method": r.method, "ours": r.source == "ours", "x": r.query_ns,
+            "i": i, "method": r.method, "x": r.query_ns,
             "lo": r.query_ns if r.query_ns_low is None else r.query_ns_low,
             "hi": r.query_ns if r.query_ns_high is None else r.query_ns_high,
             "y": task.layouts[r.dataset].y(r), "front": id(r) in front, "best": id(r) in best,
             "slot": slots.get(id(r)), "n": r.n,
-            "build": r.build_s * 1e9 / r.n if r.build_s is not None and r.n else None,
-            "bytes": r.bytes / r.n if r.bytes is not None and r.n else None,
+            "build": max(r.build_s * 1e9 / r.n, charts.LEAST) if r.build_s is not None and r.n else None,
+            "bytes": max(r.bytes / r.n, charts.LEAST) if r.bytes is not None and r.n else None,
         }  # fmt: skip

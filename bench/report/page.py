@@ -76,7 +76,16 @@ def _head(rows):
         mine = [r for r in rows if r.run == k]
         times = sorted(t for r in mine if (t := r.values.get("time")))
         span = f"{times[0]} to {times[-1]}" if times else "time not recorded"
-        cells = (run["cpu"], run["host"], run["isa"], run["compiler"], run["commit"], run["seed"], span, f"{len(mine):,}")
+        cells = (
+            run["cpu"],
+            run["host"],
+            run["isa"],
+            run["compiler"],
+            run["commit"],
+            run["seed"],
+            span,
+            f"{len(mine):,}",
+        )
         lines.append("<tr>" + "".join(f"<td>{esc(str(c if c is not None else '–'))}</td>" for c in cells) + "</tr>")
     heads = ("CPU", "machine", "ISA", "compiler", "commit", "seed", "measured", "rows")
     parts.append('<div class="scroll"><table class="plain"><thead><tr>' + "".join(f"<th>{h}</th>" for h in heads)
@@ -111,7 +120,10 @@ peers hollow; colour and shape both tell the method.</li>
 
 def _section(task, rows, listed, pictures):
     name, text = task.name, task.text
-    blocks = [f'<section id="{name}"><h2>{esc(text.title)}</h2>', f"<p>{esc(text.question)}</p>" if text.question else ""]
+    blocks = [
+        f'<section id="{name}"><h2>{esc(text.title)}</h2>',
+        f"<p>{esc(text.question)}</p>" if text.question else "",
+    ]
     tables = "".join((f"<h4>{esc(_run_name(rows, r))}</h4>" if len(task.runs) > 1 else "") + pieces.winners_table(task, r)
                      for r in task.runs)  # fmt: skip
     if tables:

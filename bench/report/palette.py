@@ -5,11 +5,19 @@ are filled, peers are hollow. `currentColor` is black on a light page and white 
 """
 
 from dataclasses import dataclass
+from itertools import cycle, islice
 
 INK = "currentColor"
 VERMILION, BLUE, GREEN, ORANGE, SKY, PURPLE = "#D55E00", "#0072B2", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"
 OURS = (INK, BLUE, GREEN, VERMILION, PURPLE, SKY, ORANGE)
 PEERS = (ORANGE, SKY, PURPLE, GREEN, BLUE, VERMILION, INK)
+# Our trees look the same in every task.
+FAMILIES = {
+    "brute": (INK, "circle"),
+    "kd": (BLUE, "square"),
+    "bsp": (GREEN, "triangle-up"),
+    "bvh": (VERMILION, "diamond"),
+}
 HEXAGON = "M0,-1L0.87,-0.5L0.87,0.5L0,1L-0.87,0.5L-0.87,-0.5Z"
 STAR = "M0,-1L0.25,-0.3L1,-0.3L0.4,0.1L0.6,0.85L0,0.4L-0.6,0.85L-0.4,0.1L-1,-0.3L-0.25,-0.3Z"
 BOWTIE = "M-0.9,-0.8L0.9,0.8L0.9,-0.8L-0.9,0.8Z"
@@ -43,13 +51,18 @@ class Look:
 
 
 def looks(rows):
-    """Method → look, ours first, each group in order of appearance."""
+    """Method → look, ours first, each group in order of appearance; no two methods of a group look alike."""
     seen = {}
     for row in rows:
         seen.setdefault(row.method, (row.source, row.family or ""))
-    shapes, found = list(SHAPES), {}
+    found = {}
     for source, colors in (("ours", OURS), ("peer", PEERS)):
+        taken = set()
         for k, method in enumerate(m for m, (s, _) in seen.items() if s == source):
-            color, shape = colors[k % len(colors)], shapes[k % len(shapes)]
-            found[method] = Look(method, source, seen[method][1], color, shape)
+            family = seen[method][1]
+            wanted = [FAMILIES[family]] if source == "ours" and family in FAMILIES else []
+            wanted += list(islice(zip(cycle(colors), cycle(SHAPES)), k, k + len(colors) * len(SHAPES)))
+            color, shape = next((w for w in wanted if w not in taken), wanted[0])
+            taken.add((color, shape))
+            found[method] = Look(method, source, family, color, shape)
     return found

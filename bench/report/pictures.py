@@ -23,7 +23,7 @@ class Picture:
 
 def read(folders):
     """(pictures, warnings). A picture that cannot be shown costs a warning, not the report."""
-    found, warnings = [], []
+    found, warnings = {}, []
     for folder in map(Path, folders):
         indexes = sorted(folder.rglob("pictures.jsonl")) if folder.is_dir() else []
         if not indexes:
@@ -33,10 +33,11 @@ def read(folders):
                 if not line.strip():
                     continue
                 try:
-                    found.append(_picture(json.loads(line), index))
-                except (ValueError, KeyError, AttributeError, OSError) as error:
+                    entry = json.loads(line)
+                    found[index.parent / entry["file"]] = _picture(entry, index)  # a resumed run lists some again
+                except (ValueError, KeyError, AttributeError, TypeError, OSError) as error:
                     warnings.append(f"{index}:{number}: picture left out: {error}")
-    return found, warnings
+    return list(found.values()), warnings
 
 
 def _picture(entry, index):

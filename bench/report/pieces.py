@@ -58,7 +58,7 @@ def winners_table(task, run):
     return (f'<div class="scroll"><table class="winners"><thead><tr><th scope=col>dataset</th>{head}</tr></thead>'
             f'<tbody>{"".join(lines)}</tbody></table></div><p class="note">{foot}Each cell: the fastest right method at '
             "the largest size, and how many times faster our best is than the best peer in the same run; ~ where the "
-            "intervals of the repetitions overlap. Right is a mean error of at most 1e-6, which is what single precision "
+            "intervals of the repetitions overlap or there was only one. Right is a mean error of at most 1e-6, which is what single precision "
             "leaves, and no broken claim.</p>")  # fmt: skip
 
 
@@ -81,7 +81,7 @@ def matrix_table(task):
     cases, methods, cells = stability.matrix(task.rows, task.looks)
     if not cases:
         return ""
-    head = "".join(f'<th scope=col><span>{esc(m)}</span>{glyph(task.looks[m])}</th>' for m in methods)
+    head = "".join(f"<th scope=col><span>{esc(m)}</span>{glyph(task.looks[m])}</th>" for m in methods)
     lines = []
     for case in cases:
         line = "".join(_cell(cells.get((case, m))) for m in methods)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes the report: rows in, one self-contained HTML file out.
 
-    bench/report/report.py ROWS.jsonl... [--pictures DIR]... --out report.html [--svg DIR] [--winners]
+bench/report/report.py ROWS.jsonl... [--pictures DIR]... --out report.html [--svg DIR] [--winners]
 """
 
 import argparse

@@ -11,7 +11,7 @@ from bench.report.model import points
 from bench.report.units import count
 
 COLORS = {
-    "crashed": "#D55E00", "timeout": "#E69F00", "out_of_memory": "#CC79A7", "wrong": "#D55E00", "refused": "#56B4E9",
+    "crashed": "#8c8c8c", "timeout": "#E69F00", "out_of_memory": "#CC79A7", "wrong": "#D55E00", "refused": "#56B4E9",
     "ok": "#9fd8c5", "unsupported": "#e8e8e8", "not_built": "#f4f4f4",
 }  # fmt: skip
 
@@ -49,10 +49,12 @@ def _charts(task):
                                              task.text.query, True, 460, 300)  # fmt: skip
                 yield f"{name}-scaling", chart.properties(title=f"{dataset}, {query_set}")
         at_size = [r for r in rows if r.size == size]
-        for field, figure, label, log in (("build", "build_s", "build time", True), ("bytes", "bytes", "bytes", False)):
-            if methods := [m for m in task.looks if any(r.method == m and getattr(r, figure) for r in at_size)]:
-                label = f"{label} per {task.text.element}" + (", log" if log else "")
-                chart = charts.lanes_chart(_data(task, at_size), field, label, methods, task.looks, log, False, 460)
+        for field, figure, label in (("build", "build_s", "build time"), ("bytes", "bytes", "bytes")):
+            if methods := [
+                m for m in task.looks if any(r.method == m and getattr(r, figure) is not None for r in at_size)
+            ]:
+                label = f"{label} per {task.text.element}, log"
+                chart = charts.lanes_chart(_data(task, at_size), field, label, methods, task.looks, False, 460)
                 yield f"{_file_name(task.name, dataset, field)}", chart.properties(title=f"{dataset}, {count(size)}")
     cases, methods, cells = stability.matrix(task.rows, task.looks)
     if cases:
@@ -84,7 +86,7 @@ def _file_name(*parts):
 
 
 def _save(chart, path):
-    spec = charts.theme(chart).configure(background="white", font="sans-serif").to_json()
+    spec = charts.theme(chart, "white", "sans-serif").to_json()
     svg = vl_convert.vegalite_to_svg(spec.replace("currentColor", "#222"))
     path.with_name(path.name + ".svg").write_text(svg)
     path.with_name(path.name + ".png").write_bytes(vl_convert.svg_to_png(svg, scale=2))

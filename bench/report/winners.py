@@ -38,17 +38,22 @@ class Winner:
 
     @property
     def clear(self):
-        """The intervals of the two do not overlap."""
-        if not (self.ours and self.peer):
-            return True
-        a, b = interval(self.ours), interval(self.peer)
-        return a[1] < b[0] or b[1] < a[0]
+        """The intervals of the two are known and do not overlap."""
+        return not (self.ours and self.peer) or apart(self.ours, self.peer) != 0
 
 
 def interval(row):
-    low = row.query_ns if row.query_ns_low is None else row.query_ns_low
-    high = row.query_ns if row.query_ns_high is None else row.query_ns_high
-    return low, high
+    """Of the repetitions; None where there was only one, which says nothing about its spread."""
+    low, high = row.query_ns_low, row.query_ns_high
+    return None if low is None or high is None or low == high else (low, high)
+
+
+def apart(a, b):
+    """-1: a is surely faster than b, 1: surely slower, 0: cannot be told."""
+    ia, ib = interval(a), interval(b)
+    if not (ia and ib):
+        return 0
+    return -1 if ia[1] < ib[0] else 1 if ib[1] < ia[0] else 0
 
 
 def winners(rows):
@@ -93,7 +98,7 @@ def table(rows):
         if (mean := mean_ratio(found)) is not None:
             lines.append(f"  geometric mean: ours runs at {mean:.2f}x the speed of the best peer")
     if any(w.ratio and not w.clear for w in winners(rows)):
-        lines.append("  ~ the intervals of the repetitions overlap: no clear winner")
+        lines.append("  ~ no clear winner: the intervals of the repetitions overlap, or there was only one")
     return "\n".join(lines).lstrip("\n")
 
 

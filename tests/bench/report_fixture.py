@@ -1,6 +1,6 @@
 """Synthetic rows in the format of bench/core/row.hpp: two tasks, many methods, every status, some of everything.
 
-    report_fixture.py DIR    writes DIR/knn.jsonl, knn.stress.jsonl, ray.jsonl, ray.stress.jsonl and DIR/pictures
+report_fixture.py DIR    writes DIR/knn.jsonl, knn.stress.jsonl, ray.jsonl, ray.stress.jsonl and DIR/pictures
 """
 
 import json
@@ -115,7 +115,7 @@ def stress_rows(rng, task):
             status, reason, error = "ok", None, 0.0
             if method[2] == "peer" and rng.random() < 0.25:
                 status = rng.choice(("wrong", "refused", "crashed", "timeout", "out_of_memory"))
-                reason = {"wrong": "query 3: 2 of 8 missing", "crashed": "signal 11"}.get(status, "a <clear> \"text\"")
+                reason = {"wrong": "query 3: 2 of 8 missing", "crashed": "signal 11"}.get(status, 'a <clear> "text"')
                 error = 0.31 if status == "wrong" else None
             for query_set in ("nearest", "radius") if task == "knn" else ("closest", "any"):
                 yield row(task, f"hard/{case}", case, 1000, method, query_set, {}, {}, status=status, reason=reason,
@@ -134,7 +134,9 @@ def png(path, rng, side=96):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
     header = struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b""))
+    path.write_bytes(
+        b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b"")
+    )
 
 
 def pictures(folder, rng, task):

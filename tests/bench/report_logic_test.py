@@ -95,7 +95,9 @@ class Frontier(unittest.TestCase):
             self.assertEqual({id(r) for r in frontier.frontier(found)}, unbeaten)
 
     def test_failed_rows_are_never_on_it(self):
-        found = list(read(made(METHOD, 50, 0), made(PEER, 1, 0, status="wrong"), made(LOOSE, None, None, status="crashed")))
+        found = list(
+            read(made(METHOD, 50, 0), made(PEER, 1, 0, status="wrong"), made(LOOSE, None, None, status="crashed"))
+        )
         self.assertEqual([r.method for r in frontier.frontier(found)], ["kd_tree"])
 
     def test_exact_means_below_the_floor(self):
@@ -120,7 +122,9 @@ class Placing(unittest.TestCase):
         self.assertEqual(len(slots), len(rows.FAILURES))  # those without a time
 
     def test_decades_are_evenly_apart(self):
-        found = list(read(made(LOOSE, 10, 1.0), made(LOOSE, 20, 1e-2, build={"x": 1}), made(LOOSE, 30, 1e-4, build={"x": 2})))
+        found = list(
+            read(made(LOOSE, 10, 1.0), made(LOOSE, 20, 1e-2, build={"x": 1}), made(LOOSE, 30, 1e-4, build={"x": 2}))
+        )
         a, b, c = (layout.Layout(found, ["forest"]).y(r) for r in found)
         self.assertAlmostEqual(b - a, c - b, places=1)
 
@@ -147,7 +151,9 @@ class Winners(unittest.TestCase):
     def test_overlapping_intervals_are_no_clear_win(self):
         (won,) = winners.winners(list(read(made(METHOD, 100, low=90, high=120), made(PEER, 130, low=110, high=140))))
         self.assertFalse(won.clear)
-        self.assertIn("1.30x~", winners.table(list(read(made(METHOD, 100, low=90, high=120), made(PEER, 130, low=110, high=140)))))
+        self.assertIn(
+            "1.30x~", winners.table(list(read(made(METHOD, 100, low=90, high=120), made(PEER, 130, low=110, high=140))))
+        )
 
 
 class Advice(unittest.TestCase):
@@ -199,7 +205,9 @@ class Stability(unittest.TestCase):
                           hard("c", "unsupported")))  # fmt: skip
         cases, methods, cells = stability.matrix(found, ["kd_tree"])
         cell = cells["ties", "kd_tree"]
-        self.assertEqual((cases, methods, cell.letter, cell.error, cell.bad, cell.count), (["ties"], ["kd_tree"], "W", "0.25", 1, 2))
+        self.assertEqual(
+            (cases, methods, cell.letter, cell.error, cell.bad, cell.count), (["ties"], ["kd_tree"], "W", "0.25", 1, 2)
+        )
         self.assertIn("query 3", cell.detail)
 
     def test_every_status_has_its_own_letter_and_word(self):
@@ -216,6 +224,9 @@ class Comparing(unittest.TestCase):
         base = made(ns=100, low=95, high=110)
         for ns, low, high, kind in ((120, 112, 130, "slower"), (120, 105, 130, "same"), (80, 70, 90, "faster")):
             self.assertEqual(self.kinds(base, made(ns=ns, low=low, high=high) | {"commit": "new"}), [kind])
+
+    def test_one_repetition_tells_nothing(self):
+        self.assertEqual(self.kinds(made(ns=100, low=100, high=100), made(ns=150, low=145, high=160)), ["same"])
 
     def test_a_new_failure_or_a_larger_error_is_worse(self):
         (change,) = compare.compare(read(made()), read(made(error=0.1, status="wrong")))
@@ -239,12 +250,16 @@ class Comparing(unittest.TestCase):
 
 class Small(unittest.TestCase):
     def test_units(self):
-        self.assertEqual([units.duration(v) for v in (3.21, 999, 1500, 2.5e6, 3e9)], ["3.21 ns", "999 ns", "1.5 µs", "2.5 ms", "3 s"])
+        self.assertEqual(
+            [units.duration(v) for v in (3.21, 999, 1500, 2.5e6, 3e9)], ["3.21 ns", "999 ns", "1.5 µs", "2.5 ms", "3 s"]
+        )
         self.assertEqual([units.figure(v) for v in (None, 0, 1e-7, 0.25, 123456)], ["-", "0", "1e-7", "0.25", "1.2e5"])
         self.assertEqual([units.count(v) for v in (7, 1000, 1_000_000)], ["7", "1k", "1M"])
 
     def test_no_two_methods_look_alike(self):
-        found = model.task_models(list(read(*(made((f"m{i}", "kd", "peer" if i % 2 else "ours", "exact")) for i in range(24)))))
+        found = model.task_models(
+            list(read(*(made((f"m{i}", "kd", "peer" if i % 2 else "ours", "exact")) for i in range(24))))
+        )
         looks = list(found[0].looks.values())
         for a, b in itertools.combinations(looks, 2):
             self.assertNotEqual((a.color, a.shape, a.source), (b.color, b.shape, b.source))
@@ -253,7 +268,10 @@ class Small(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             Path(folder, "bad.svg").write_text("<svg><script>alert(1)</script></svg>")
             Path(folder, "good.svg").write_text("<svg/>")
-            fixture.write(Path(folder, "pictures.jsonl"), [{"file": "bad.svg"}, {"file": "absent.png"}, {"title": "x"}, {"file": "good.svg"}])
+            fixture.write(
+                Path(folder, "pictures.jsonl"),
+                [{"file": "bad.svg"}, {"file": "absent.png"}, {"title": "x"}, {"file": "good.svg"}],
+            )
             shown, warnings = pictures.read([folder])
         self.assertEqual((len(shown), len(warnings)), (1, 3))
 

@@ -128,12 +128,16 @@ class Report(unittest.TestCase):
         for task in self.models:
             size = max(task.sizes)
             for query_set in task.query_sets:
-                tried = [r for r in task.soft if r.size == size and r.query_set == query_set and r.status not in rows.ABSENT]
+                tried = [
+                    r for r in task.soft if r.size == size and r.query_set == query_set and r.status not in rows.ABSENT
+                ]
                 self.assertEqual(self.seen["changed"][f"{task.name}-set={query_set}"], len(tried))
         self.assertGreater(self.seen["figures"], 5)
 
     def test_advice_is_the_one_computed_here(self):
-        self.assertGreater(len({(a["take"], a["below"]) for a in self.seen["advice"]}), 20)  # the slider changes the text
+        self.assertGreater(
+            len({(a["take"], a["below"]) for a in self.seen["advice"]}), 20
+        )  # the slider changes the text
         for told in self.seen["advice"]:
             task = next(t for t in self.models if t.name == told["task"])
             here = [r for r in task.of(told["dataset"]) if r.size == max(task.sizes)]
