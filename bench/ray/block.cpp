@@ -121,9 +121,11 @@ Errors RayBlock::check(std::size_t m, const Subject& subject, std::size_t query_
       answer = answers.hits[number];
     else if (answers.blocked[number])
       answer.primitive = 0;
-    const Judged judged = set.any
-                              ? judge.any(number, set.rays[number], truth.hits[i], static_cast<bool>(answer))
-                              : judge.closest(number, set.rays[number], truth.hits[i], answer);
+    Judged judged = set.any ? judge.any(number, set.rays[number], truth.hits[i], static_cast<bool>(answer))
+                            : judge.closest(number, set.rays[number], truth.hits[i], answer);
+    // From inside a closed mesh there is a hit however the ray is moved: nothing borderline about a miss.
+    if (input_.from_inside && truth.hits[i] && !answer)
+      judged = {Verdict::false_miss, judged.excused || judged.verdict == Verdict::borderline, 1, 0};
     errors.push_back(judged.error);
     bias += judged.signed_error;
     borderline += judged.verdict == Verdict::borderline;

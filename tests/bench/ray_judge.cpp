@@ -1,0 +1,166 @@
+// The judge of the task ray on answers made by hand: each kind of wrong answer is told from the others, and
+// from answers that are right within the rounding of float.
+#include <gtest/gtest.h>
+
+#include "bench/ray/judge.hpp"
+#include "geometry/tolerances.hpp"
+
+namespace treeline::bench::ray {
+namespace {
+
+using geometry::Mesh3f;
+using geometry::Rayf;
+
+constexpr double u = geometry::tolerance::unit_roundoff<float>;
+
+/// Faces 0, 1: the unit square in z = 0. Faces 2, 3: the same square in z = -1. Face 4 lies aside, in z = 0.
+const Mesh3f mesh{{{0, 0, 0},
+                   {1, 0, 0},
+                   {1, 1, 0},
+                   {0, 1, 0},
+                   {0, 0, -1},
+                   {1, 0, -1},
+                   {1, 1, -1},
+                   {0, 1, -1},
+                   {3, 0, 0},
+                   {4, 0, 0},
+                   {4, 1, 0}},
+                  {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}, {8, 9, 10}}};
+
+RayAnswer hit(float t, accel::Id primitive) {
+  RayAnswer a;
+  a.t = t, a.primitive = primitive;
+  return a;
+}
+
+Judged closest(const Rayf& ray, const RayAnswer& answer) {
+  Judge judge(mesh, u);
+  return judge.closest(0, ray, true_closest(mesh, std::vector{ray}, 1)[0], answer);
+}
+Judged any(const Rayf& ray, bool answer) {
+  Judge judge(mesh, u);
+  return judge.any(0, ray, true_closest(mesh, std::vector{ray}, 1)[0], answer);
+}
+
+const Rayf inside{{0.75f, 0.25f, 2}, {0, 0, -1}};
+const Rayf aside{{2, 0.5f, 2}, {0, 0, -1}};
+const Rayf at_diagonal{{0.5f, 0.5f, 2}, {0, 0, -1}};
+const Rayf at_rim{{1, 0.5f, 2}, {0, 0, -1}};
+
+TEST(RayJudge, TakesWhatIsRight) {
+  EXPECT_EQ(closest(inside, hit(2, 0)).verdict, Verdict::right);
+  EXPECT_EQ(closest(inside, hit(2, 0)).error, 0);
+  EXPECT_EQ(closest(aside, {}).verdict, Verdict::right);
+  EXPECT_EQ(any(inside, true).verdict, Verdict::right);
+  EXPECT_EQ(any(aside, false).verdict, Verdict::right);
+}
+
+TEST(RayJudge, TakesBothSidesOfATie) {
+  EXPECT_EQ(closest(at_diagonal, hit(2, 0)).verdict, Verdict::right);
+  EXPECT_EQ(closest(at_diagonal, hit(2, 1)).verdict, Verdict::right);
+}
+
+TEST(RayJudge, MeasuresTheErrorOfT) {
+  const float t = std::nextafter(2.0f, 3.0f);
+  const Judged j = closest(inside, hit(t, 0));
+  EXPECT_EQ(j.verdict, Verdict::right);
+  EXPECT_DOUBLE_EQ(j.error, (double(t) - 2) / 2);
+  EXPECT_DOUBLE_EQ(j.signed_error, j.error);
+  EXPECT_LT(closest(inside, hit(std::nextafter(2.0f, 1.0f), 0)).signed_error, 0);
+}
+
+TEST(RayJudge, TellsAFalseHit) {
+  for (const accel::Id face : {0u, 2u, 4u}) {
+    const Judged j = closest(aside, hit(2, face));
+    EXPECT_EQ(j.verdict, Verdict::false_hit);
+    EXPECT_EQ(j.error, 1);
+    EXPECT_FALSE(j.excused);
+  }
+  EXPECT_EQ(closest(inside, hit(1, 0)).verdict, Verdict::wrong_t);
+  EXPECT_EQ(closest(inside, hit(1, 4)).verdict, Verdict::false_hit)
+      << "in front of the surface there is nothing";
+  EXPECT_EQ(any(aside, true).verdict, Verdict::false_hit);
+}
+
+TEST(RayJudge, TellsAFalseMiss) {
+  const Judged missed = closest(inside, {});
+  EXPECT_EQ(missed.verdict, Verdict::false_miss);
+  EXPECT_EQ(missed.error, 1);
+  EXPECT_FALSE(missed.excused);
+  const Judged through = closest(inside, hit(3, 2));
+  EXPECT_EQ(through.verdict, Verdict::false_miss) << "went through the upper square";
+  EXPECT_EQ(through.error, 1);
+  EXPECT_EQ(any(inside, false).verdict, Verdict::false_miss);
+}
+
+TEST(RayJudge, TellsAWrongT) {
+  const Judged j = closest(inside, hit(2.001f, 0));
+  EXPECT_EQ(j.verdict, Verdict::wrong_t);
+  EXPECT_NEAR(j.error, 0.0005, 1e-6);
+  EXPECT_FALSE(j.excused);
+}
+
+TEST(RayJudge, TellsAWrongPrimitive) {
+  EXPECT_EQ(closest(inside, hit(2, 1)).verdict, Verdict::wrong_primitive);
+  EXPECT_EQ(closest(inside, hit(2, 4)).verdict, Verdict::wrong_primitive);
+  EXPECT_EQ(closest(inside, hit(2, 1000)).verdict, Verdict::wrong_primitive) << "no such triangle";
+}
+
+TEST(RayJudge, LetsASilhouetteGoEitherWay) {
+  // Exactly over the rim of both squares: hitting the upper, the lower or neither is right for a ray moved by
+  // less than float can tell.
+  EXPECT_EQ(closest(at_rim, hit(2, 0)).verdict, Verdict::right);
+  EXPECT_EQ(closest(at_rim, hit(3, 2)).verdict, Verdict::borderline);
+  EXPECT_EQ(closest(at_rim, {}).verdict, Verdict::borderline);
+  EXPECT_EQ(any(at_rim, false).verdict, Verdict::borderline);
+  // One thousandth inside or outside of it, it may not.
+  const Rayf in{{0.999f, 0.5f, 2}, {0, 0, -1}}, out{{1.001f, 0.5f, 2}, {0, 0, -1}};
+  EXPECT_EQ(closest(in, {}).verdict, Verdict::false_miss);
+  EXPECT_EQ(closest(out, hit(2, 0)).verdict, Verdict::false_hit);
+  EXPECT_EQ(any(out, true).verdict, Verdict::false_hit);
+}
+
+TEST(RayJudge, DrawsTheLineAtEps) {
+  Judge judge(mesh, u);
+  const double eps = judge.eps(aside);
+  EXPECT_DOUBLE_EQ(eps, 32 * u * 4) << "the largest coordinate is 4";
+  for (const double share : {0.5, 2.0}) {
+    const Rayf out{{static_cast<float>(1 + share * eps), 0.5f, 2}, {0, 0, -1}};
+    const bool within = share < 1;
+    EXPECT_EQ(closest(out, hit(2, 0)).counts_as_right(), within);
+    EXPECT_EQ(any(out, true).counts_as_right(), within);
+    const Rayf in{{static_cast<float>(1 - share * eps), 0.5f, 2}, {0, 0, -1}};
+    EXPECT_EQ(closest(in, {}).counts_as_right(), within);
+    EXPECT_EQ(any(in, false).counts_as_right(), within);
+  }
+}
+
+TEST(RayJudge, CountsALeakAtAnInnerEdgeAsFalseButExcusesApproximateMethods) {
+  for (const RayAnswer& answer : {RayAnswer{}, hit(3, 2)}) {
+    const Judged j = closest(at_diagonal, answer);
+    EXPECT_EQ(j.verdict, Verdict::false_miss) << "however it is moved, the ray meets one of the two";
+    EXPECT_EQ(j.error, 1);
+  }
+  EXPECT_TRUE(closest(at_diagonal, hit(3, 2)).excused);
+  EXPECT_TRUE(any(at_diagonal, false).excused);
+  EXPECT_FALSE(any(inside, false).excused);
+}
+
+TEST(RayJudge, IsStricterWithExactMethods) {
+  Judge exact(mesh, geometry::tolerance::unit_roundoff<double>);
+  const Rayf in{{std::nextafter(1.0f, 0.0f), 0.5f, 2}, {0, 0, -1}};
+  const TrueHit truth = true_closest(mesh, std::vector{in}, 1)[0];
+  EXPECT_EQ(exact.closest(0, in, truth, {}).verdict, Verdict::false_miss);
+  EXPECT_EQ(closest(in, {}).verdict, Verdict::borderline);
+}
+
+TEST(RayJudge, LetsNoAnswerToABrokenRayCountAsAHit) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const Rayf broken{{nan, 0, 0}, {0, 0, 1}};
+  EXPECT_EQ(closest(broken, {}).verdict, Verdict::right);
+  EXPECT_EQ(closest(broken, hit(1, 0)).verdict, Verdict::false_hit);
+  EXPECT_EQ(closest(inside, hit(nan, 0)).verdict, Verdict::false_hit);
+}
+
+}  // namespace
+}  // namespace treeline::bench::ray
