@@ -67,7 +67,7 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
     y = alt.Y("y:Q", scale=scale, axis=axis)
     x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, padding=48),
               axis=alt.Axis(labelExpr=DURATION, title=f"time per {element}, log", tickCount=6, gridOpacity=0.5,
-                            labelOverlap="greedy", labelSeparation=8))  # fmt: skip
+                            labelBound=True, labelOverlap="greedy", labelSeparation=8))  # fmt: skip
     zones = [{"zone": name, "from": top, "to": end} for name, top, end in layout.zones()]
     base = alt.Chart(data)
     timed = base.transform_filter("isValid(datum.x)")
@@ -114,7 +114,7 @@ def lanes_chart(data, field, title, methods, looks, legend=False, width="contain
     scale = alt.Scale(type="log", nice=False, padding=10)
     labels = DURATION if field == "build" else f"datum.value <= {LEAST} ? '≤ {LEAST}' : format(datum.value, '~s')"
     axis = alt.Axis(
-        title=title, tickCount=4, labelExpr=labels, gridOpacity=0.5, labelOverlap="greedy", labelSeparation=8
+        title=title, tickCount=4, labelExpr=labels, gridOpacity=0.5, labelBound=True, labelOverlap="greedy", labelSeparation=8
     )
     base = alt.Chart(data).transform_filter(f"isValid(datum.{field})")
     y = alt.Y("method:N", sort=list(methods), scale=alt.Scale(domain=list(methods)),
@@ -130,7 +130,7 @@ def scaling_chart(data, looks, element, query, legend=False, width="container", 
               axis=alt.Axis(title=f"{element}s, log", format="~s", tickCount=4, gridOpacity=0.5))  # fmt: skip
     y = alt.Y("x:Q", scale=alt.Scale(type="log", nice=False, padding=10),
               axis=alt.Axis(title=f"time per {query}, log", labelExpr=DURATION, tickCount=5, gridOpacity=0.5,
-                            labelOverlap="greedy", labelSeparation=8))  # fmt: skip
+                            labelBound=True, labelOverlap="greedy", labelSeparation=8))  # fmt: skip
     base = alt.Chart(data)
     line = base.mark_line(strokeWidth=1.4, opacity=_pick("0.8")).encode(
         x=x, y=y, stroke=alt.Stroke("method:N", scale=color, legend=_key(legend)))  # fmt: skip
