@@ -80,7 +80,7 @@ class PclOctree final : public Index {
               .family = "octree",
               .source = Source::peer,
               .peer_version = PCL_VERSION_PRETTY,
-              .build_knobs = {{{"resolution", 2}}, {{"resolution", 4}}, {{"resolution", 8}}},
+              .build_knobs = {{{"resolution", 4}}, {{"resolution", 8}}, {{"resolution", 16}}},
               .ladder = 33},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
        return std::make_unique<PclOctree>(input, knobs);

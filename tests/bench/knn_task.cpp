@@ -101,7 +101,7 @@ TEST(KnnTask, EveryMethodKeepsItsClaimOnSmallClouds) {
 
 TEST(KnnTask, AnswersDoNotDependOnTheNumberOfThreads) {
   RunContext context = smoke();
-  context.profile = Profile::quick;  // 1000 queries: several chunks of a batch
+  context.profile = Profile::quick;  // 500 queries: several chunks of a batch
   const auto block = task().open({"lidar", 1000}, context);
   for (std::size_t m = 0; m < task().methods().size(); ++m) {
     const MethodInfo& info = task().methods()[m];
