@@ -245,7 +245,7 @@ Checked check_ply(const Input& in) {
         if (corners && n < 3) values.fail("a face of " + std::to_string(n) + " corners");
         for (std::size_t k = 0; k < n; ++k) {
           const double v = values.next(p.type, p.axis >= 0 ? &rounded : nullptr);
-          if (p.axis >= 0 && !r.coordinates.add(v, rounded))
+          if (p.axis >= 0 && !r.coordinates.add(p.axis, v, rounded))
             values.fail("a coordinate beyond the range of float");
           if (corners && !(v >= 0 && v < static_cast<double>(r.vertices)))
             values.fail("names vertex " + std::to_string(static_cast<long long>(v)) + " of " +

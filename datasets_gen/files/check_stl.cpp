@@ -80,7 +80,7 @@ Checked check_text(const Input& in) {
         if (!value || !std::isfinite(*value))
           in.fail_line(lines.number(), in_quotes(word) + " is not a finite number");
         corner[k] = number<float>(word).value_or(0);
-        if (!r.coordinates.add(*value, corner[k]))
+        if (!r.coordinates.add(k, *value, corner[k]))
           in.fail_line(lines.number(), in_quotes(word) + " is beyond the range of float");
       }
     }

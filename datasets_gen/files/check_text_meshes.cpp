@@ -12,7 +12,7 @@ void take_position(const Input& in, std::size_t line, const std::vector<std::str
   for (std::size_t k = first; k < first + 3; ++k) {
     const auto value = number<double>(words[k]);
     if (!value || !std::isfinite(*value)) in.fail_line(line, in_quotes(words[k]) + " is not a finite number");
-    if (!r.coordinates.add(*value, number<float>(words[k]).value_or(0)))
+    if (!r.coordinates.add(static_cast<int>(k - first), *value, number<float>(words[k]).value_or(0)))
       in.fail_line(line, in_quotes(words[k]) + " is beyond the range of float");
     r.text += (k > first ? " " : "");
     r.text += words[k];

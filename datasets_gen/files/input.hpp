@@ -106,18 +106,18 @@ inline std::string in_quotes(std::string_view word) {
 struct Coordinates {
   std::uint64_t bits = 0;
   double largest_error = 0;
-  double low = std::numeric_limits<double>::infinity(), high = -low;  // over all three axes together
+  geometry::Box3d box;  // of the finite ones
 
   static std::uint64_t bits_of(float x) {
     return std::isfinite(x) ? std::bit_cast<std::uint32_t>(x) : 0x7fc00000u;
   }
   /// False if x is finite and float cannot hold it.
-  bool add(double x, float rounded) {
+  bool add(int axis, double x, float rounded) {
     bits += bits_of(rounded);
     if (!std::isfinite(x)) return true;
     if (std::abs(x) > std::numeric_limits<float>::max()) return false;
     largest_error = std::max(largest_error, std::abs(x - static_cast<double>(rounded)));
-    low = std::min(low, x), high = std::max(high, x);
+    box.low[axis] = std::min(box.low[axis], x), box.high[axis] = std::max(box.high[axis], x);
     return true;
   }
 };

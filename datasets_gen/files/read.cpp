@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <fstream>
 
 #include "datasets_gen/files/input.hpp"
@@ -77,13 +78,13 @@ Loaded load_by(const Input& in, const std::string& extension) {
 
 /// Rounds to float, and notes what got lost.
 std::vector<geometry::Vec3f> to_float(const Input& in, const Raw& raw, Coordinates& c, Dataset& to) {
-  const bool measured = c.low <= c.high;
+  const bool measured = !c.box.empty();
   std::vector<geometry::Vec3f> r(raw.points.size());
   std::size_t odd = 0, first_odd = 0;
   for (std::size_t i = 0; i < r.size(); ++i) {
     r[i] = geometry::Vec3f(raw.points[i]);
     for (int k = 0; k < 3; ++k)
-      if (!measured && !c.add(raw.points[i][k], r[i][k]))
+      if (!measured && !c.add(k, raw.points[i][k], r[i][k]))
         in.fail("point " + std::to_string(i), "a coordinate beyond the range of float");
     if (!geometry::is_finite(r[i]) && odd++ == 0) first_odd = i;
   }
@@ -91,9 +92,13 @@ std::vector<geometry::Vec3f> to_float(const Input& in, const Raw& raw, Coordinat
     to.notes.push_back(std::to_string(odd) +
                        " points have a coordinate that is not finite, the first is number " +
                        std::to_string(first_odd));
-  if (c.high > c.low && c.largest_error > noted_rounding * (c.high - c.low))
-    to.notes.push_back("float rounds coordinates by up to " +
-                       std::to_string(c.largest_error / (c.high - c.low)) + " of the extent");
+  const auto sides = c.box.extent();
+  const double extent = std::max({sides[0], sides[1], sides[2]});
+  if (extent > 0 && c.largest_error > noted_rounding * extent) {
+    char share[32];
+    std::snprintf(share, sizeof share, "%.1e", c.largest_error / extent);
+    to.notes.push_back(std::string("float rounds coordinates by up to ") + share + " of the extent");
+  }
   return r;
 }
 

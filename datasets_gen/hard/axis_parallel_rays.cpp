@@ -36,7 +36,7 @@ std::vector<HardCase> axis_parallel_rays() {
     for (std::size_t i = 0; i < 200; ++i) {
       // Half of the origins on planes of the grid, where rays run along edges of the far side.
       Draws draws(61, i);
-      Vec3f from = rounded(draws.in_box({-0.9, -0.9, -0.9}, {0.9, 0.9, 0.9}));
+      Vec3f from = rounded(draws.in_box({-0.74, -0.74, -0.74}, {0.9, 0.9, 0.9}));
       if (i % 2 == 0)
         for (int k = 0; k < 3; ++k) from[k] = std::floor(from[k] * 4) / 4;
       for (int axis = 0; axis < 3; ++axis)

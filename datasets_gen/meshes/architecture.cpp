@@ -90,21 +90,23 @@ void add_site(Builder& to, const Site& site) {
     to.upright_block({0, 0, bay_size[2] * double(k) - 0.2}, {s[0], s[1], 0.2});
 }
 
-/// Adds parts until the mesh has about `limit` faces; a full bay has the same number of faces and vertices
+/// A thin bar from anywhere to anywhere.
+void add_cable(Builder& to, const Site& site, Draws& draws) {
+  const Vec3d a = draws.in_box({0, 0, 0}, site.size()), b = draws.in_box({0, 0, 0}, site.size());
+  to.bar(a, b, 0.01);
+}
+
+/// Adds the parts that fit into `limit` faces; a full bay has the same number of faces and vertices
 /// every time.
 void add_bay(Builder& to, const Site& site, std::size_t number, std::uint64_t seed, std::size_t limit) {
   Draws draws(seed, number);
   const Vec3d o{bay_size[0] * double(number % site.wide),
                 bay_size[1] * double(number / site.wide % site.deep),
                 bay_size[2] * double(number / (site.wide * site.deep))};
-  const auto room = [&](std::size_t faces) { return to.mesh.faces.size() + faces / 2 < limit; };
+  const auto room = [&](std::size_t faces) { return to.mesh.faces.size() + faces <= limit; };
   const auto at = [&](double x, double y, double z) { return sum(o, {x, y, z}); };
 
-  // Cables across the site.
-  for (int k = 0; k < 4 && room(12); ++k) {
-    const Vec3d a = draws.in_box({0, 0, 0}, site.size()), b = draws.in_box({0, 0, 0}, site.size());
-    to.bar(a, b, 0.01);
-  }
+  for (int k = 0; k < 4 && room(12); ++k) add_cable(to, site, draws);
   // The window wall: four panels about an opening, and its frame.
   const double left = draws.uniform(1, 2.5), right = draws.uniform(5, 7), sill = 0.9,
                head = draws.uniform(2.2, 3.2);
@@ -171,7 +173,10 @@ geometry::Mesh3f architecture(const Job& job) {
       },
       1, 4);
   Builder last;
-  if (rest > full * bay_faces) add_bay(last, site, full, job.seed, rest - full * bay_faces);
+  const std::size_t left = rest - full * bay_faces;
+  add_bay(last, site, full, job.seed, left);
+  Draws draws(job.seed, full + 1);
+  while (last.mesh.faces.size() + 6 <= left) add_cable(last, site, draws);  // what no larger part fits into
   const std::size_t vertex = mesh.vertices.size(), face = mesh.faces.size();
   mesh.vertices.resize(vertex + last.mesh.vertices.size());
   mesh.faces.resize(face + last.mesh.faces.size());

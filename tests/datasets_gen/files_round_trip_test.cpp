@@ -1,0 +1,168 @@
+// What is written is read back bit for bit; what other programs write is read as they meant it.
+#include "files_common.hpp"
+
+namespace treeline::datasets {
+namespace {
+
+class RoundTrip : public FolderTest {};
+class Reading : public FolderTest {};
+
+TEST_F(RoundTrip, WritesEveryRecipeAndReadsTheSameBits) {
+  for (const Recipe& recipe : recipes()) {
+    const Dataset made = generate(recipe.name, 3000, 5);
+    for (const std::string extension : {"ply", "obj", "pcd", "xyz"}) {
+      if (recipe.kind == Kind::mesh && (extension == "pcd" || extension == "xyz")) continue;
+      if (!reads(extension)) continue;
+      const auto path = folder() / (recipe.name + "." + extension);
+      write(made, path);
+      const Dataset again = read(path);
+      EXPECT_EQ(again.kind, made.kind) << path;
+      EXPECT_EQ(again.hash(), made.hash()) << path;
+      EXPECT_EQ(again.closed, made.closed) << path;
+      EXPECT_EQ(again.name, recipe.name + "." + extension);
+      EXPECT_TRUE(again.notes.empty()) << path << again.notes.front();
+    }
+  }
+}
+
+TEST_F(RoundTrip, RefusesToOverwriteUnlessToldTo) {
+  const Dataset a = generate("grid", 1000, 1), b = generate("uniform_cube", 1000, 1);
+  const auto path = folder() / "cloud.xyz";
+  write(a, path);
+  EXPECT_THROW(write(b, path), FileError);
+  EXPECT_EQ(read(path).hash(), a.hash());
+  write(b, path, true);
+  EXPECT_EQ(read(path).hash(), b.hash());
+}
+
+TEST_F(RoundTrip, LeavesNothingBehindWhereItCannotWrite) {
+  const Dataset cloud = generate("grid", 1000, 1), mesh = generate("terrain", 1000, 1);
+  EXPECT_THROW(write(cloud, folder() / "missing" / "a.ply"), FileError);
+  EXPECT_THROW(write(mesh, folder() / "a.pcd"), FileError);
+  EXPECT_THROW(write(mesh, folder() / "a.blend"), FileError);
+  Dataset odd = cloud;
+  odd.cloud.points[3][0] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW(write(odd, folder() / "a.obj"), FileError);
+  EXPECT_TRUE(std::filesystem::is_empty(folder()));
+}
+
+TEST_F(Reading, TakesEveryMeshFormat) {
+  const geometry::Mesh3f& mesh = small_mesh();
+  const std::pair<std::string, std::string> files[] = {
+      {"text.ply", ply_text(mesh)},     {"big.ply", ply_big_endian(mesh)}, {"a.off", off_text(mesh)},
+      {"binary.stl", stl_binary(mesh)}, {"text.stl", stl_text(mesh)},      {"a.glb", glb(mesh)}};
+  for (const auto& [name, bytes] : files) {
+    if (!reads(name.substr(name.find('.') + 1))) continue;
+    const Dataset d = read(put(name, bytes));
+    ASSERT_EQ(d.kind, Kind::mesh) << name;
+    EXPECT_TRUE(d.closed) << name;
+    ASSERT_EQ(d.mesh.size(), mesh.size()) << name;
+    EXPECT_EQ(d.mesh.vertices.size(), mesh.vertices.size()) << name;
+    // STL numbers its vertices anew: triangles are compared by their corners' positions, in the order of the
+    // file.
+    for (std::size_t i = 0; i < mesh.size(); ++i)
+      ASSERT_EQ(d.mesh.triangle(i), mesh.triangle(i)) << name << " " << i;
+  }
+}
+
+TEST_F(Reading, AppliesTheTransformsOfAScene) {
+  if (!reads("glb")) GTEST_SKIP() << "built without assimp";
+  const Dataset d = read(put("moved.glb", glb(small_mesh(), 4)));
+  ASSERT_EQ(d.mesh.size(), small_mesh().size());
+  for (std::size_t i = 0; i < d.mesh.size(); ++i)
+    EXPECT_NEAR(d.mesh.triangle(i).a[0], small_mesh().triangle(i).a[0] + 4, 1e-6);
+}
+
+TEST_F(Reading, KeepsNonManifoldAndRepeatedFacesInOrder) {
+  if (!reads("ply")) GTEST_SKIP() << "built without OpenMesh";
+  // Three faces on one edge, one face twice, one turned over, and one that names a vertex twice.
+  geometry::Mesh3f m;
+  m.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}};
+  m.faces = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}, {0, 1, 2}, {2, 1, 0}, {3, 3, 4}};
+  EXPECT_EQ(read(put("fan.ply", ply_text(m))).mesh.faces, m.faces);
+  EXPECT_EQ(read(put("fan.off", off_text(m))).mesh.faces, m.faces);
+  EXPECT_FALSE(read(put("fan2.ply", ply_big_endian(m))).closed);
+  // STL and OBJ leave the flat one out, and say so.
+  const Dataset stl = read(put("fan.stl", stl_binary(m)));
+  EXPECT_EQ(stl.mesh.size(), 5u);
+  ASSERT_EQ(stl.notes.size(), 1u);
+  EXPECT_NE(stl.notes[0].find("left out 1 "), std::string::npos) << stl.notes[0];
+  const Dataset obj = read(put("fan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\nf 3 2 1\n"));
+  EXPECT_EQ(obj.mesh.size(), 2u);
+  EXPECT_EQ(obj.notes.size(), 1u);
+}
+
+TEST_F(Reading, CutsPolygonsIntoFans) {
+  if (!reads("obj")) GTEST_SKIP() << "built without OpenMesh";
+  const auto fan = std::vector<geometry::Mesh3f::Face>{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}};
+  const std::string five = "v 0 0 0\nv 1 0 0\nv 2 1 0\nv 1 2 0\nv 0 1 0\n";
+  EXPECT_EQ(read(put("a.obj", five + "f 1 2 3 4 5\n")).mesh.faces, fan);
+  EXPECT_EQ(read(put("b.off", "OFF\n5 1 0\n0 0 0\n1 0 0\n2 1 0\n1 2 0\n0 1 0\n5 0 1 2 3 4\n")).mesh.faces,
+            fan);
+}
+
+TEST_F(Reading, TakesObjAsOtherProgramsWriteIt) {
+  if (!reads("obj")) GTEST_SKIP() << "built without OpenMesh";
+  const Dataset d =
+      read(put("a.obj",
+               "# exported\r\nmtllib none.mtl\r\no thing\r\nv 0 0 0 1 0 0\r\nv 1 0 0\r\nv 0 1 0\r\n"
+               "vt 0 0\r\nvn 0 0 1\r\nusemtl red\r\ns off\r\nf 1/1/1 2//1 -1\r\nf 1/1 \\\r\n3/1 2/1\r\n"));
+  EXPECT_EQ(d.mesh.faces, (std::vector<geometry::Mesh3f::Face>{{0, 1, 2}, {0, 2, 1}}));
+}
+
+TEST_F(Reading, TakesTextClouds) {
+  const std::vector<geometry::Vec3f> two{{1.5f, -2, 3e-5f}, {0, 0.25f, 1e10f}};
+  const std::pair<const char*, const char*> files[] = {
+      {"plain.xyz", "1.5 -2 3e-5\n0 .25 1e10\n"},
+      {"tabs.txt", "# comment\n\n1.5\t-2\t+3e-5\t99 red\r\n0 0.25 1E10 // end\n"},
+      {"comma.csv", "1.5, -2, 3e-5\n0,0.25,1e10"},
+      {"semicolon.csv", "1.5;-2;3e-5;7\n0;0.25;1e10;8\n"},
+      {"header.csv", "\"X\",\"Y\",\"Z\"\n1.5,-2,3e-5\n0,0.25,1e10\n"},
+      {"columns.csv", "id,z,time,x,y\n1,3e-5,9,1.5,-2\n2,1e10,9,0,0.25\n"}};
+  for (const auto& [name, text] : files) EXPECT_EQ(read(put(name, text)).cloud.points, two) << name;
+}
+
+TEST_F(Reading, TakesPcdAsTextAndBinary) {
+  if (!reads("pcd")) GTEST_SKIP() << "built without PCL";
+  const std::string head =
+      "VERSION .7\nFIELDS x intensity y z\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 2\n"
+      "HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\n";
+  const std::vector<geometry::Vec3f> two{{1.5f, -2, 3}, {0, 0.25f, 8}};
+  EXPECT_EQ(read(put("a.pcd", "# .PCD\n" + head + "DATA ascii\n1.5 9 -2 3\n0 9 0.25 8\n")).cloud.points, two);
+  std::string data;
+  for (const auto& p : two) data += bytes_of(p[0]) + bytes_of(9.f) + bytes_of(p[1]) + bytes_of(p[2]);
+  EXPECT_EQ(read(put("b.pcd", head + "DATA binary\n" + data)).cloud.points, two);
+}
+
+TEST_F(Reading, KeepsAndNotesWhatIsNotFinite) {
+  const Dataset d = read(put("a.xyz", "0 0 0\n1 nan 0\n1 1 inf\n2 2 2\n"));
+  ASSERT_EQ(d.size(), 4u);
+  EXPECT_TRUE(std::isnan(d.cloud.points[1][1]));
+  ASSERT_EQ(d.notes.size(), 1u);
+  EXPECT_NE(d.notes[0].find("2 points"), std::string::npos) << d.notes[0];
+  EXPECT_NE(d.notes[0].find("number 1"), std::string::npos) << d.notes[0];
+  if (!reads("ply")) return;
+  geometry::Mesh3f m = small_mesh();
+  m.vertices[7][2] = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(read(put("a.ply", ply_big_endian(m))).notes.size(), 1u);
+}
+
+TEST_F(Reading, NotesWhatFloatCannotHold) {
+  // Metres in a national grid: float steps are 0.5 m at 5e6, the extent is 100 m.
+  const Dataset far = read(put("far.xyz", "500000.123 5000000.456 10\n500100.5 5000100.25 20.1\n"));
+  ASSERT_EQ(far.notes.size(), 1u);
+  EXPECT_NE(far.notes[0].find("float rounds"), std::string::npos) << far.notes[0];
+  EXPECT_TRUE(read(put("near.xyz", "0.123 0.456 0.1\n100.5 100.25 20.1\n")).notes.empty());
+  if (!reads("ply")) return;
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\nproperty double z\n"
+      "end_header\n";
+  const Dataset cloud = read(put("far.ply", ply + "5000000.123 0 0\n5000001.3 0 0\n"));
+  EXPECT_EQ(cloud.kind, Kind::cloud);
+  EXPECT_EQ(cloud.notes.size(), 1u);
+  // One point in float's coarse range does not matter where the extent is as large.
+  EXPECT_TRUE(read(put("wide.ply", ply + "5000000.123 0 0\n0 0 0\n")).notes.empty());
+}
+
+}  // namespace
+}  // namespace treeline::datasets
