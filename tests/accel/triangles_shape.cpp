@@ -1,0 +1,222 @@
+// What triangle trees refuse, batches and threads, and what trees tell of themselves: bounds on depth and
+// references, areas of slices.
+#include "tests/accel/triangles_common.hpp"
+
+namespace treeline::accel::test {
+namespace {
+
+template <class Tree>
+class TriangleShape : public testing::Test {};
+using ShapeTypes =
+    testing::Types<BruteForce<Triangles<float>>, BruteForce<Triangles<double>>, Bvh<Triangles<float>>,
+                   Bvh<Triangles<double>>, KdTree<Triangles<float>>, KdTree<Triangles<double>>,
+                   BspTree<Triangles<float>>, BspTree<Triangles<double>>>;
+TYPED_TEST_SUITE(TriangleShape, ShapeTypes);
+
+template <class F>
+std::string refusal(F&& f) {
+  try {
+    f();
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "not refused";
+}
+
+TYPED_TEST(TriangleShape, RefusesWhatIsNotFiniteByIndexOrDropsIt) {
+  using T = typename TypeParam::Scalar;
+  for (const T bad : {std::numeric_limits<T>::quiet_NaN(), std::numeric_limits<T>::infinity()}) {
+    auto triangles = soup<T>(100, T(0.2), 91);
+    triangles[17].b[1] = bad;
+    EXPECT_NE(refusal([&] { TypeParam{triangles}; }).find("17"), std::string::npos);
+    typename TypeParam::Options options;
+    options.non_finite = NonFinite::drop;
+    const TypeParam tree(triangles, options);
+    EXPECT_EQ(tree.size(), 99u);
+    EXPECT_EQ(tree.stats().dropped, 1u);
+    const auto& last = triangles[99];
+    const auto found = tree.closest_point(last.centroid(), T(1e-3));
+    EXPECT_EQ(found.primitive, 99u);  // ids stay those of the input
+  }
+  Mesh<T> mesh = sphere<T>(1);
+  mesh.faces[5][1] = 1000;
+  EXPECT_NE(refusal([&] { TypeParam{mesh}; }).find("face 5"), std::string::npos);
+  typename TypeParam::Options options;
+  options.leaf_size = 0;
+  EXPECT_NE(refusal([&] { TypeParam(sphere<T>(1), options); }).find("leaf_size"), std::string::npos);
+}
+
+TYPED_TEST(TriangleShape, RefusesQueriesWithoutAnswer) {
+  using T = typename TypeParam::Scalar;
+  const TypeParam tree(sphere<T>(1));
+  const T nan = std::numeric_limits<T>::quiet_NaN(), infinity = std::numeric_limits<T>::infinity();
+  const Vec<T, 3> x{1, 0, 0};
+  for (const Ray<T>& ray : {Ray<T>{{nan, 0, 0}, x}, Ray<T>{{infinity, 0, 0}, x}, Ray<T>{{}, {0, -T(0), 0}},
+                            Ray<T>{{}, {nan, 1, 0}}, Ray<T>{{}, {infinity, 1, 0}}, Ray<T>{{}, x, nan, 1},
+                            Ray<T>{{}, x, 0, nan}}) {
+    EXPECT_THROW((void)tree.closest_hit(ray), InvalidInput);
+    EXPECT_THROW((void)tree.any_hit(ray), InvalidInput);
+    std::vector<Ray<T>> rays(9, Ray<T>{{}, x});
+    rays[6] = ray;
+    std::vector<Hit<T>> hits(9);
+    EXPECT_NE(refusal([&] { tree.closest_hit(rays, hits, 1); }).find("6"), std::string::npos);
+  }
+  EXPECT_NO_THROW((void)tree.any_hit({{}, x, -infinity, infinity}));
+  EXPECT_THROW((void)tree.closest_point({nan, 0, 0}), InvalidInput);
+  EXPECT_THROW((void)tree.closest_point({}, T(-1)), InvalidInput);
+  EXPECT_THROW((void)tree.closest_point({}, nan), InvalidInput);
+  EXPECT_THROW((void)tree.contains({0, infinity, 0}), InvalidInput);
+  EXPECT_THROW((void)tree.slice(3, 0), InvalidInput);
+  std::vector<Ray<T>> rays(3, Ray<T>{{}, x});
+  std::vector<std::uint8_t> any(2);
+  EXPECT_THROW(tree.any_hit(rays, any, 1), InvalidInput);
+  any.resize(3);
+  EXPECT_THROW(tree.any_hit(rays, any, 0), InvalidInput);
+}
+
+TYPED_TEST(TriangleShape, AnswersForNoTriangleAndForOne) {
+  using T = typename TypeParam::Scalar;
+  const TypeParam none{std::vector<Triangle<T>>{}};
+  EXPECT_EQ(none.size(), 0u);
+  EXPECT_FALSE(none.closest_hit({{}, {1, 0, 0}}));
+  EXPECT_FALSE(none.any_hit({{}, {1, 0, 0}}));
+  EXPECT_FALSE(none.closest_point({1, 2, 3}));
+  EXPECT_FALSE(none.contains({}));
+  EXPECT_TRUE(none.slice(0, 0).empty());
+  const TypeParam one{std::vector<Triangle<T>>{{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}}};
+  EXPECT_EQ(one.closest_hit({{T(0.25), T(0.25), 0}, {0, 0, 1}}).t, T(1));
+  EXPECT_EQ(one.closest_point({T(0.25), T(0.25), 3}).distance2, T(4));
+  EXPECT_EQ(one.stats().leaves, 1u);
+}
+
+TYPED_TEST(TriangleShape, BatchesEqualSingleQueriesOnAnyNumberOfThreads) {
+  using T = typename TypeParam::Scalar;
+  const TypeParam tree(soup<T>(300, T(0.3), 101));
+  Pcg32 random(102);
+  std::vector<Ray<T>> rays;
+  std::vector<Vec<T, 3>> points;
+  for (int i = 0; i < 1500; ++i) {
+    rays.push_back({in_cube(random, T(2)), in_cube(random, T(1))});
+    points.push_back(in_cube(random, T(2)));
+  }
+  for (const int threads : {1, 2, 5}) {
+    std::vector<Hit<T>> hits(rays.size());
+    std::vector<std::uint8_t> any(rays.size()), inside(rays.size());
+    std::vector<ClosestPoint<T>> closest(rays.size());
+    tree.closest_hit(rays, hits, threads);
+    tree.any_hit(rays, any, threads);
+    tree.closest_point(points, T(0.5), closest, threads);
+    tree.contains(points, inside, threads);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      ASSERT_TRUE(hits[i] == tree.closest_hit(rays[i]));
+      ASSERT_EQ(any[i] != 0, static_cast<bool>(hits[i]));
+      const auto single = tree.closest_point(points[i], T(0.5));
+      ASSERT_EQ(closest[i].primitive, single.primitive);
+      ASSERT_EQ(closest[i].distance2, single.distance2);
+      ASSERT_EQ(inside[i] != 0, tree.contains(points[i]));
+    }
+  }
+}
+
+TYPED_TEST(TriangleShape, StatsAreConsistent) {
+  using T = typename TypeParam::Scalar;
+  const Mesh<T> mesh = sphere<T>(4);
+  const TypeParam tree(mesh);
+  const TreeStats s = tree.stats();
+  EXPECT_EQ(s.primitives, mesh.size());
+  EXPECT_EQ(tree.size(), mesh.size());
+  EXPECT_EQ(s.leaves, s.inner_nodes + 1);  // every inner node has two children
+  EXPECT_GE(s.references, s.primitives);
+  EXPECT_LE(s.references, 8 * s.primitives);
+  EXPECT_EQ(s.bytes, tree.bytes());
+  EXPECT_GE(s.bytes, s.primitives * sizeof(Triangle<T>));
+  EXPECT_GT(s.sah_cost, 0);
+  EXPECT_LE(s.sah_cost, static_cast<double>(mesh.size()));
+  EXPECT_GE(s.depth, s.leaves > 1 ? static_cast<std::size_t>(std::log2(double(s.leaves))) : 0);
+  Work work;
+  (void)tree.closest_hit({{}, {1, T(0.1), T(0.2)}}, work);
+  EXPECT_GT(work.primitives, 0u);
+}
+
+TYPED_TEST(TriangleShape, DepthAndReferencesAreBoundedWhateverTheInput) {
+  using T = typename TypeParam::Scalar;
+  std::vector<std::vector<Triangle<T>>> inputs;
+  inputs.push_back(std::vector<Triangle<T>>(3000, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));  // duplicates
+  inputs.push_back(std::vector<Triangle<T>>(3000, {{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}));  // points
+  inputs.emplace_back();                                                                // a geometric series
+  for (int i = 0; i < 3000; ++i) {
+    const T x = std::ldexp(T(1), -i % 100) * (T(1) + T(i) / T(3000));
+    inputs.back().push_back({{x, 0, 0}, {x, x, 0}, {x, 0, x}});
+  }
+  inputs.push_back(soup<T>(2000, T(3), 111));  // everything overlaps everything
+  inputs.emplace_back();                       // a fan of needles through one point
+  for (int i = 0; i < 2000; ++i) {
+    const T a = T(i) / T(2000) * T(std::numbers::pi);
+    inputs.back().push_back({{0, 0, 0}, {std::cos(a), std::sin(a), 0}, {std::cos(a), std::sin(a), T(1e-6)}});
+  }
+  for (const auto& triangles : inputs) {
+    const TypeParam tree(triangles);
+    const TreeStats s = tree.stats();
+    constexpr bool is_bvh = std::is_same_v<TypeParam, Bvh<Triangles<T>>>;
+    EXPECT_LE(double(s.depth), is_bvh ? 64.0 : 8 + 1.3 * std::log2(double(triangles.size())));
+    EXPECT_LE(s.references, 8 * triangles.size());
+    if (is_bvh) {
+      EXPECT_LE(s.largest_leaf, 8u);
+    }
+    const BruteForce<Triangles<T>> brute(triangles);
+    Pcg32 random(112);
+    for (int i = 0; i < 20; ++i) {
+      const Ray<T> ray{in_cube(random, T(2)), in_cube(random, T(1))};
+      EXPECT_TRUE(tree.closest_hit(ray) == brute.closest_hit(ray));
+      EXPECT_EQ(tree.closest_point(ray.origin).primitive, brute.closest_point(ray.origin).primitive);
+    }
+  }
+}
+
+double outline_area(const std::vector<geometry::Vec2d>& outline) {
+  double twice = 0;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const auto &p = outline[i], &q = outline[(i + 1) % outline.size()];
+    twice += p[0] * q[1] - p[1] * q[0];
+  }
+  return std::abs(twice) / 2;
+}
+
+TYPED_TEST(TriangleShape, SlicesOfCellsTileTheBox) {
+  using T = typename TypeParam::Scalar;
+  const TypeParam tree(soup<T>(500, T(0.3), 121));
+  constexpr bool is_bvh = std::is_same_v<TypeParam, Bvh<Triangles<T>>>;
+  for (int axis = 0; axis < 3; ++axis) {
+    double total = 0;
+    for (const SliceCell& cell : tree.slice(axis, 0.123)) {
+      EXPECT_LE(cell.depth, tree.stats().depth);
+      EXPECT_LE(cell.primitives, tree.stats().largest_leaf);
+      EXPECT_GE(cell.outline.size(), 3u);
+      total += outline_area(cell.outline);
+    }
+    const auto extent = tree.bounds().extent();
+    const double whole = double(extent[(axis + 1) % 3]) * double(extent[(axis + 2) % 3]);
+    EXPECT_GT(total, 0);
+    if (!is_bvh) {
+      EXPECT_NEAR(total, whole, 1e-5 * whole);
+    }
+    EXPECT_TRUE(tree.slice(axis, 100).empty());
+  }
+}
+
+TEST(TriangleWork, TreesTouchFarLessThanBruteForce) {
+  const auto mesh = sphere<float>(6);  // 32768 faces
+  const auto touched = [&](const auto& tree) {
+    Work work;
+    Pcg32 random(131);
+    for (int i = 0; i < 200; ++i)
+      (void)tree.closest_hit({in_cube(random, 0.5f), in_cube(random, 1.0f)}, work);
+    return double(work.nodes + work.primitives) / 200;
+  };
+  EXPECT_LT(touched(Bvh<Triangles<float>>(mesh)), 150);
+  EXPECT_LT(touched(KdTree<Triangles<float>>(mesh)), 150);
+  EXPECT_LT(touched(BspTree<Triangles<float>>(mesh)), 150);
+}
+
+}  // namespace
+}  // namespace treeline::accel::test
