@@ -11,7 +11,9 @@ const bool registered = Registry<Method>::instance().add(
               .family = "bsp",
               .claim = Claim::bounded,  // with the watertight test; see claim_of()
               .build_knobs = tree_knobs({8}),
-              .ladder = 30},
+              .ladder = 30,
+              // Above, one build takes over ten seconds.
+              .largest_n = 500'000},
      .build = build_tree<accel::BspTree>});
 
 }  // namespace

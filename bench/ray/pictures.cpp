@@ -30,6 +30,14 @@ class Gallery {
   Gallery(std::string folder, std::string dataset)
       : folder_(std::move(folder)), dataset_(std::move(dataset)) {
     std::filesystem::create_directories(folder_);
+    // Drawn again, the pictures of this dataset take the place of the earlier ones.
+    const auto index = std::filesystem::path(folder_) / "pictures.jsonl";
+    std::string others;
+    std::ifstream in(index);
+    for (std::string line; std::getline(in, line);)
+      if (line.find("\"file\":\"" + file("")) == std::string::npos) others += line + '\n';
+    in.close();
+    std::ofstream(index) << others;
   }
   std::string file(const std::string& what) const { return "ray_" + dataset_ + "_" + what; }
   std::string path(const std::string& what) const {
@@ -167,8 +175,8 @@ const std::array<Group, 4> groups{{
 }};
 
 /// The first build of each method that falls into the group.
-void draw_disagreement(const Group& group, const std::vector<Method>& methods, const View& view, int threads,
-                       Gallery& gallery) {
+void draw_disagreement(const Group& group, const std::vector<Method>& methods, const View& view,
+                       const std::string& of, int threads, Gallery& gallery) {
   Image image = normals(view, true);
   Judge judge(view.mesh, geometry::tolerance::unit_roundoff<float>);
   std::vector<Verdict> worst(view.rays.size(), Verdict::right);
@@ -200,8 +208,8 @@ void draw_disagreement(const Group& group, const std::vector<Method>& methods, c
   for (std::size_t p = 0; p < worst.size(); ++p)
     if (worst[p] > Verdict::borderline) mark(image, p, false_colour);
   gallery.add_png("disagreement_" + group.name, image,
-                  group.title + " (" + names + "): of " + std::to_string(worst.size()) + " pixels " +
-                      std::to_string(wrong) + " false (magenta), " + std::to_string(borderline) +
+                  of + ": " + group.title + " (" + names + "): of " + std::to_string(worst.size()) +
+                      " pixels " + std::to_string(wrong) + " false (magenta), " + std::to_string(borderline) +
                       " borderline (amber)",
                   names, "disagreement");
 }
@@ -239,7 +247,7 @@ void draw_pictures(const std::vector<Method>& methods, const BlockSpec& spec, co
   const std::string of = spec.dataset + ", " + std::to_string(dataset.size()) + " triangles";
   gallery.add_png("normals", normals(view, false), of + ": normals", "bvh", "normals");
   gallery.add_png("depth", depths(view), of + ": depth, near is light", "bvh", "depth");
-  for (const Group& group : groups) draw_disagreement(group, methods, view, context.threads, gallery);
+  for (const Group& group : groups) draw_disagreement(group, methods, view, of, context.threads, gallery);
   draw_slices(methods, spec, context, gallery);
 }
 
