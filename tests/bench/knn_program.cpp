@@ -49,7 +49,9 @@ TEST_F(KnnProgram, SmokeProfileWritesValidRowsAndNoneOfOursIsWrong) {
     EXPECT_TRUE(keys.insert(cell).second) << "twice: " << cell;
     methods.insert(row["method"]), sets.insert(row["query_set"]);
     const std::string status = row["status"];
-    if (row["source"] == "ours") EXPECT_EQ(status, "ok") << cell << row["reason"];
+    if (row["source"] == "ours") {
+      EXPECT_EQ(status, "ok") << cell << row["reason"];
+    }
     if (status != "ok") {
       EXPECT_TRUE(status == "unsupported" || status == "not_built") << cell << row["reason"];
       EXPECT_TRUE(row["reason"].is_string()) << cell;
@@ -57,9 +59,12 @@ TEST_F(KnnProgram, SmokeProfileWritesValidRowsAndNoneOfOursIsWrong) {
     }
     EXPECT_GT(row["query_ns"].get<double>(), 0) << cell;
     EXPECT_FALSE(row["samples"].empty()) << cell;
-    if (row["claim"] == "exact")
+    if (row["claim"] == "exact") {
       EXPECT_LE(row["error_max"].get<double>(), row["error_floor"].get<double>()) << cell;
-    if (row["source"] == "ours") EXPECT_GT(row["work_primitives"].get<double>(), 0) << cell;
+    }
+    if (row["source"] == "ours") {
+      EXPECT_GT(row["work_primitives"].get<double>(), 0) << cell;
+    }
   }
   EXPECT_EQ(methods.size(), 10u);
   EXPECT_EQ(sets, (std::set<std::string>{"box_self", "knn1_off", "knn1_self", "knn32_self", "knn8_off",
