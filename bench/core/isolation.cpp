@@ -1,6 +1,7 @@
 #include "bench/core/isolation.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -193,7 +194,7 @@ Ending run_isolated(const std::function<void(const Send&)>& work, const Limits& 
 
   const std::string tail = reader.tail();
   if (!in_time)
-    return {Status::timeout, with_tail("no answer within " + std::to_string(limits.seconds) + " s", tail)};
+    return {Status::timeout, with_tail(fmt::format("no answer within {:g} s", limits.seconds), tail)};
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
     if (signal == SIGKILL) return {Status::out_of_memory, with_tail("killed by the system", tail)};

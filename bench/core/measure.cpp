@@ -1,6 +1,7 @@
 #include "bench/core/measure.hpp"
 
 #include <chrono>
+#include <cmath>
 
 #include "bench/core/bytes.hpp"
 #include "bench/core/timing.hpp"
@@ -21,15 +22,17 @@ class Stopwatch {
 };
 
 void check(Block& block, Subject& subject, Cell& cell) {
+  Row& row = cell.row;
   try {
-    cell.row.errors = block.check(cell.method, subject, cell.query_set, cell.row.query_knobs);
+    row.errors = block.check(cell.method, subject, cell.query_set, row.query_knobs);
   } catch (const std::exception& e) {
-    cell.row.status = Status::wrong,
-    cell.row.reason = std::string("its answers cannot be judged: ") + e.what();
+    row.status = Status::wrong, row.reason = std::string("its answers cannot be judged: ") + e.what();
     return;
   }
-  if (!cell.row.errors.within_claim)
-    cell.row.status = Status::wrong, cell.row.reason = cell.row.errors.reason;
+  Errors& e = row.errors;
+  for (auto* figure : {&e.error, &e.max, &e.p99, &e.mean, &e.bias, &e.floor})
+    if (*figure && std::isnan(**figure)) figure->reset();  // undefined: does not apply, as in the row
+  if (!e.within_claim) row.status = Status::wrong, row.reason = e.reason;
 }
 
 }  // namespace

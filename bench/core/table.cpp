@@ -26,20 +26,29 @@ std::string knobs_of(const Row& row) {
   return build == "-" ? query : build + " " + query;
 }
 
+struct Unit {
+  double ns;
+  const char* name;
+};
+Unit unit_of(double ns) {
+  if (ns < 1e3) return {1, "ns"};
+  if (ns < 1e6) return {1e3, "µs"};
+  return ns < 1e9 ? Unit{1e6, "ms"} : Unit{1e9, "s"};
+}
+
 std::string time_of(const Row& row) {
   if (!row.query_ns) return "-";
-  if (!row.query_ns_low) return format_time_ns(*row.query_ns);
-  return fmt::format("{} [{:.3g}, {:.3g}]", format_time_ns(*row.query_ns), *row.query_ns_low,
-                     *row.query_ns_high);
+  if (!row.query_ns_low || !row.query_ns_high) return format_time_ns(*row.query_ns);
+  const Unit unit = unit_of(*row.query_ns);
+  return fmt::format("{:.3g} {} [{:.3g}, {:.3g}]", *row.query_ns / unit.ns, unit.name,
+                     *row.query_ns_low / unit.ns, *row.query_ns_high / unit.ns);
 }
 
 }  // namespace
 
 std::string format_time_ns(double ns) {
-  if (ns < 1e3) return fmt::format("{:.3g} ns", ns);
-  if (ns < 1e6) return fmt::format("{:.3g} µs", ns / 1e3);
-  if (ns < 1e9) return fmt::format("{:.3g} ms", ns / 1e6);
-  return fmt::format("{:.3g} s", ns / 1e9);
+  const Unit unit = unit_of(ns);
+  return fmt::format("{:.3g} {}", ns / unit.ns, unit.name);
 }
 
 std::string format_error(std::optional<double> error) { return error ? fmt::format("{:.2g}", *error) : "-"; }
@@ -74,7 +83,7 @@ std::string format_table(const std::vector<Row>& rows) {
   for (const Row* row : sorted) {
     if (row->query_set != set || row == sorted.front()) {
       set = row->query_set;
-      out += fmt::format("  {:<40} {:<28} {:>9}  status\n", set, "time/query [interval in ns]", "error");
+      out += fmt::format("  {:<40} {:<28} {:>9}  status\n", set, "time/query [interval]", "error");
     }
     const std::string name = row->method + "  " + knobs_of(*row);
     out +=

@@ -1,0 +1,96 @@
+// Bad arguments are named and end with status 2; what matches nothing ends with 1.
+#include <gtest/gtest.h>
+
+#include "core_helper.hpp"
+
+namespace treeline::bench {
+namespace {
+
+struct Bad {
+  const char* arguments;
+  const char* named;  // must be in the message
+};
+
+class BadArguments : public testing::TestWithParam<Bad> {};
+
+TEST_P(BadArguments, AreNamedWithStatusTwo) {
+  const auto run = run_fake(GetParam().arguments);
+  EXPECT_EQ(run.status, 2) << run.out << run.err;
+  EXPECT_NE(run.err.find(GetParam().named), std::string::npos) << run.err;
+  EXPECT_EQ(run.out, "");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, BadArguments,
+    testing::Values(
+        Bad{"--nonsense", "--nonsense"}, Bad{"--profile huge", "--profile"}, Bad{"stray", "stray"},
+        Bad{"--threads 0", "--threads"}, Bad{"--threads two", "--threads"}, Bad{"--seed -1", "--seed"},
+        Bad{"--seed x", "--seed"}, Bad{"--dataset nowhere", "nowhere"},
+        Bad{"--dataset counting:many", "many"}, Bad{"--dataset counting:-5", "-5"},
+        Bad{"--block 0", "--block"}, Bad{"--block 3", "--block 3"}, Bad{"--block x", "--block"},
+        Bad{"--advise 1e-3", "--advise"}, Bad{"--advise -1 --dataset counting", "--advise"},
+        Bad{"--advise nan --dataset counting", "--advise"}, Bad{"--advise x --dataset counting", "--advise"},
+        Bad{"--resume", "--resume"}, Bad{"--input /nowhere.ply", "/nowhere.ply"},
+        Bad{"--input a.ply --dataset counting", "--input"}, Bad{"--stress --dataset counting", "counting"},
+        Bad{"--stress --advise 1", "--advise"}, Bad{"--rows /nowhere/at/all", "/nowhere/at/all"},
+        Bad{"--benchmark_nonsense=1", "--benchmark_nonsense"},
+        Bad{"--benchmark_repetitions=few", "--benchmark_repetitions"},
+        Bad{"--benchmark_format=xml", "--benchmark_format"},
+        Bad{"--benchmark_filter=*[", "--benchmark_filter"}));
+
+TEST(CommandLine, FilterThatMatchesNothingIsStatusOne) {
+  const auto run = run_fake("--dataset squares --benchmark_filter=unheard_of");
+  EXPECT_EQ(run.status, 1);
+  EXPECT_NE(run.err.find("unheard_of"), std::string::npos) << run.err;
+}
+
+TEST(CommandLine, FilterChoosesCellsAndNegates) {
+  const TemporaryFolder folder;
+  run_fake("--dataset squares --benchmark_filter='forward/(exact|wrong)/' --rows " + (folder / "a") +
+           quickly);
+  const auto a = read_rows(folder / "a");
+  ASSERT_EQ(a.size(), 2u);
+  EXPECT_EQ(a[0]["query_set"], "forward");
+  run_fake("--dataset squares --benchmark_filter=-wrong --rows " + (folder / "b") + quickly);
+  const auto b = statuses_by_method(read_rows(folder / "b"));
+  EXPECT_EQ(b.count("wrong"), 0u);
+  EXPECT_EQ(b.count("exact"), 1u);
+}
+
+TEST(CommandLine, ListNamesBlocksMethodsAndKnobs) {
+  const auto run = run_fake("--list");
+  EXPECT_EQ(run.status, 0);
+  for (const char* expected :
+       {"counting:1000", "squares:400", "exact", "scale=2.0", "slower=10.0", "LibAbsent", "hard/"})
+    EXPECT_NE(run.out.find(expected), std::string::npos) << expected;
+}
+
+TEST(CommandLine, BlocksAddUpToTheWhole) {
+  const TemporaryFolder folder;
+  run_fake("--block 1 --rows " + (folder / "1") + quickly);
+  run_fake("--block 2 --rows " + (folder / "2") + quickly);
+  run_fake("--rows " + (folder / "all") + quickly);
+  std::vector<std::string> parts, whole;
+  for (const char* part : {"1", "2"})
+    for (const Json& row : read_rows(folder / part)) parts.push_back(Row::from_json(row).key());
+  for (const Json& row : read_rows(folder / "all")) whole.push_back(Row::from_json(row).key());
+  EXPECT_EQ(parts, whole);
+}
+
+TEST(CommandLine, PicturesOfTheSmallestBlockOfEachDataset) {
+  const TemporaryFolder folder;
+  const auto run = run_fake("--pictures " + (folder / "p"));
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(read_text((folder / "p") + "/counting.txt"), "1000");
+  EXPECT_EQ(read_text((folder / "p") + "/squares.txt"), "400");
+}
+
+TEST(CommandLine, ProgressAndTable) {
+  const auto run = run_fake("--dataset counting:1000" + quickly);
+  EXPECT_NE(run.err.find("block 1 of 1  counting:1000"), std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find('\r'), std::string::npos);  // no terminal
+  EXPECT_NE(run.out.find("exact"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace treeline::bench

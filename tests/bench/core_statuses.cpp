@@ -1,0 +1,95 @@
+// However a method behaves, each of its cells ends in a row that says so.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "core_helper.hpp"
+
+namespace treeline::bench {
+namespace {
+
+using Counts = std::map<std::string, int>;
+
+TEST(Statuses, OfAnOrdinaryBlock) {
+  const TemporaryFolder folder;
+  const auto run = run_fake("--dataset counting:1000 --rows " + (folder / "rows") + quickly);
+  EXPECT_EQ(run.status, 0) << run.err;  // only a peer is wrong
+  const auto rows = read_rows(folder / "rows");
+  const auto found = statuses_by_method(rows);
+  EXPECT_EQ(found.at("exact"), (Counts{{"ok", 2}}));
+  EXPECT_EQ(found.at("close"), (Counts{{"ok", 4}}));  // two build knobs
+  EXPECT_EQ(found.at("rough"), (Counts{{"ok", 4}}));  // two query knobs
+  EXPECT_EQ(found.at("wrong"), (Counts{{"wrong", 2}}));
+  EXPECT_EQ(found.at("refuses"), (Counts{{"refused", 2}}));
+  EXPECT_EQ(found.at("unable"), (Counts{{"ok", 1}, {"unsupported", 1}}));
+  EXPECT_EQ(found.at("small_only"), (Counts{{"unsupported", 2}}));
+  EXPECT_EQ(found.at("greedy"), (Counts{{"out_of_memory", 2}}));
+  EXPECT_EQ(found.at("absent"), (Counts{{"not_built", 2}}));
+  EXPECT_EQ(one_row(rows, "refuses")["reason"], "point 3 is not finite");
+  EXPECT_NE(one_row(rows, "absent")["reason"].get<std::string>().find("LibAbsent"), std::string::npos);
+  EXPECT_NE(one_row(rows, "wrong")["reason"].get<std::string>().find("query 0"), std::string::npos);
+}
+
+TEST(Statuses, RowsCarryTimesErrorsAndOrigin) {
+  const TemporaryFolder folder;
+  run_fake("--dataset counting:1000 --seed 7 --rows " + (folder / "rows") +
+           " --benchmark_min_time=0.001 --benchmark_repetitions=3");
+  const auto rows = read_rows(folder / "rows");
+  const Json exact = one_row(rows, "exact"), close = one_row(rows, "close");
+  EXPECT_EQ(exact["block"], "counting:1000");
+  EXPECT_EQ(exact["seed"], 7);
+  EXPECT_EQ(exact["samples"].size(), 3u);
+  EXPECT_GE(exact["query_ns"].get<double>(), 40000.0);  // it works 40 ms for 1000 queries
+  EXPECT_LE(exact["query_ns_low"], exact["query_ns"]);
+  EXPECT_LE(exact["query_ns"], exact["query_ns_high"]);
+  EXPECT_GT(exact["query_cpu_ns"].get<double>(), 0.0);
+  EXPECT_GE(exact["build_s"].get<double>(), 0.0);
+  EXPECT_EQ(exact["work_nodes"], 3.0);
+  EXPECT_TRUE(close["work_nodes"].is_null());
+  EXPECT_NEAR(close["error"].get<double>(), 1e-3, 1e-9);
+  EXPECT_TRUE(close["bias"].is_null());  // the task said NaN
+  EXPECT_EQ(close["fake_answers"], 1000);
+  EXPECT_FALSE(exact["commit"].get<std::string>().empty());
+}
+
+TEST(Statuses, EveryWayToFailAHardCase) {
+  const TemporaryFolder folder;
+  const auto run = run_fake(
+      "--stress --stress-seconds 3 --stress-bytes 300000000 --rows " + (folder / "rows"), "FAKE_WILD=1");
+  EXPECT_EQ(run.status, 0) << run.err;
+  const auto rows = read_rows(folder / "rows");
+  const auto found = statuses_by_method(rows);  // two cases with two query sets each
+  EXPECT_EQ(found.at("exact"), (Counts{{"ok", 4}}));
+  EXPECT_EQ(found.at("wrong"), (Counts{{"wrong", 4}}));
+  EXPECT_EQ(found.at("refuses"), (Counts{{"refused", 4}}));
+  EXPECT_EQ(found.at("unable"), (Counts{{"ok", 2}, {"unsupported", 2}}));
+  EXPECT_EQ(found.at("segfault"), (Counts{{"ok", 2}, {"crashed", 2}}));
+  EXPECT_EQ(found.at("segfault_build"), (Counts{{"crashed", 4}}));
+  EXPECT_EQ(found.at("aborts"), (Counts{{"crashed", 4}}));
+  EXPECT_EQ(found.at("exits"), (Counts{{"crashed", 4}}));
+  EXPECT_EQ(found.at("hangs"), (Counts{{"timeout", 4}}));
+#ifndef TREELINE_SANITIZED  // no limit on memory there
+  EXPECT_EQ(found.at("devours"), (Counts{{"out_of_memory", 4}}));
+#endif
+  EXPECT_EQ(found.at("absent"), (Counts{{"not_built", 4}}));
+  EXPECT_NE(one_row(rows, "aborts")["reason"].get<std::string>().find("the wolf is at the door"),
+            std::string::npos);
+  std::set<std::string> keys;
+  for (const Json& row : rows) EXPECT_TRUE(keys.insert(Row::from_json(row).key()).second);
+}
+
+TEST(Statuses, OursMustAnswerUnlessTheCaseAllowsToRefuse) {
+  // The fake's first hard case demands answers, its second allows to refuse.
+  EXPECT_EQ(run_fake("--stress --block 1", "FAKE_OURS_REFUSE=1").status, 1);
+  EXPECT_EQ(run_fake("--stress --block 2", "FAKE_OURS_REFUSE=1").status, 0);
+}
+
+TEST(Statuses, OursWrongFailsTheRun) {
+  EXPECT_EQ(run_fake("--dataset squares" + quickly).status, 0);
+  const auto run = run_fake("--profile smoke", "FAKE_OURS_WRONG=1");
+  EXPECT_EQ(run.status, 1);
+  EXPECT_NE(run.err.find("failures of ours"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace treeline::bench
