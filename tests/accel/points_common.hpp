@@ -5,15 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <functional>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "accel/brute_force/points.hpp"
-#include "accel/bsp_tree/points.hpp"
-#include "accel/bvh/points.hpp"
-#include "accel/kd_tree/points.hpp"
+#include "accel/concepts.hpp"
 #include "geometry/random.hpp"
 #include "geometry/tolerances.hpp"
 
@@ -22,32 +19,45 @@ namespace treeline::accel::test {
 template <class T, int D>
 using Vecs = std::vector<geometry::Vec<T, D>>;
 
-/// Calls f(name, tree) for brute force and for every tree with every split rule.
+/// Any tree behind one face, so that the kernels are compiled once (in points_trees.cpp) and not in every
+/// test.
+template <class T, int D>
+struct AnyTree {
+  using Point = geometry::Vec<T, D>;
+  using Box = geometry::Box<T, D>;
+  using Found = Neighbor<T>;
+
+  std::string name;
+
+  virtual ~AnyTree() = default;
+  virtual std::size_t nearest(const Point&, std::size_t k, std::span<Found>) const = 0;
+  virtual std::size_t nearest(const Point&, std::size_t k, std::span<Found>, Work&) const = 0;
+  virtual void within(const Point&, T radius, std::vector<Found>&) const = 0;
+  virtual void inside(const Box&, std::vector<Id>&) const = 0;
+  virtual void nearest(std::span<const Point>, std::size_t k, std::span<Found>, int threads) const = 0;
+  virtual void within(std::span<const Point>, T radius, Lists<Found>&, int threads) const = 0;
+  virtual void inside(std::span<const Box>, Lists<Id>&, int threads) const = 0;
+  virtual std::size_t size() const = 0;
+  virtual std::size_t bytes() const = 0;
+  virtual TreeStats stats() const = 0;
+  virtual Box box() const = 0;
+  virtual std::vector<SliceCell> slice(int axis, double offset) const = 0;
+};
+
+template <class T, int D>
+using Trees = std::vector<std::unique_ptr<AnyTree<T, D>>>;
+
+/// Brute force, then every tree with every split rule. For float and double in two and three dimensions.
+template <class T, int D>
+Trees<T, D> all_trees(const Vecs<T, D>& points, int leaf_size = 8, NonFinite non_finite = NonFinite::refuse);
+
 template <class T, int D, class F>
 void for_each_tree(const Vecs<T, D>& points, F&& f, int leaf_size = 8,
                    NonFinite non_finite = NonFinite::refuse) {
-  using P = Points<T, D>;
-  const auto with = [&](auto options) {
-    options.leaf_size = leaf_size, options.non_finite = non_finite;
-    return options;
-  };
-  const auto run = [&](const char* name, const auto& tree) {
-    SCOPED_TRACE(name);
-    f(std::string(name), tree);
-  };
-  run("brute force", BruteForce<P>(points, with(BuildOptions{})));
-  KdPointOptions kd;
-  run("kd sliding midpoint", KdTree<P>(points, with(kd)));
-  kd.split = KdPointOptions::Split::median;
-  run("kd median", KdTree<P>(points, with(kd)));
-  BspPointOptions bsp;
-  run("bsp principal axis", BspTree<P>(points, with(bsp)));
-  bsp.split = BspPointOptions::Split::random_projection;
-  run("bsp random projection", BspTree<P>(points, with(bsp)));
-  BvhPointOptions bvh;
-  run("bvh rank", Bvh<P>(points, with(bvh)));
-  bvh.split = BvhPointOptions::Split::sah;
-  run("bvh sah", Bvh<P>(points, with(bvh)));
+  for (const auto& tree : all_trees<T, D>(points, leaf_size, non_finite)) {
+    SCOPED_TRACE(tree->name);
+    f(tree->name, *tree);
+  }
 }
 
 template <class T, int D>

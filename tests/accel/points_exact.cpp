@@ -66,7 +66,8 @@ TYPED_TEST(PointTrees, AgreeToTheBitWithBruteForce) {
   for (const auto& cloud : clouds<T, D>())
     for (const int leaf_size : {1, 32}) {
       SCOPED_TRACE(cloud.name + ", leaf size " + std::to_string(leaf_size));
-      const BruteForce<Points<T, D>> brute(cloud.points);
+      const auto trees = all_trees<T, D>(cloud.points);
+      const auto& brute = *trees.front();
       const auto queries = queries_for(cloud.points, 6);
       const T reach = brute.size() ? length(brute.box().extent() * T(0.125)) : T(1);
       for_each_tree<T, D>(

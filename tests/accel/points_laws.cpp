@@ -34,7 +34,8 @@ RC_GTEST_PROP(PointLaws, EveryTreeEqualsBruteForce, ()) {
   const auto points = *any_cloud();
   const V q = *any_point();
   const auto k = static_cast<std::size_t>(*rc::gen::inRange(1, 130));
-  const BruteForce<Points<float, 3>> brute(points);
+  const auto trees = all_trees<float, 3>(points);
+  const auto& brute = *trees.front();
   std::vector<Neighbor<float>> truth(k), mine(k);
   const std::size_t m = brute.nearest(q, k, truth);
   on_all_trees(points, [&](const auto& tree) {

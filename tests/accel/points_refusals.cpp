@@ -1,4 +1,7 @@
 // Input that has no answer is refused by name and index; input that has one is not.
+#include "accel/bsp_tree/points.hpp"
+#include "accel/bvh/points.hpp"
+#include "accel/kd_tree/points.hpp"
 #include "points_common.hpp"
 
 namespace treeline::accel::test {

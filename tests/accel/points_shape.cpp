@@ -1,4 +1,7 @@
 // What trees tell of themselves: statistics, pictures, and the work of queries on clouds made to be hard.
+#include "accel/brute_force/points.hpp"
+#include "accel/bvh/points.hpp"
+#include "accel/kd_tree/points.hpp"
 #include "accel/slice.hpp"
 #include "points_common.hpp"
 
