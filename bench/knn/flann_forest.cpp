@@ -2,8 +2,9 @@
 // 2009).
 //
 // Approximate: a search stops after `checks` points. Its documented settings are the number of trees (4 by
-// default) and the checks (32 by default). Trees draw from rand(); the seed is fixed here, so that runs
-// repeat. Made for high dimensions; in three it shows what approximation costs and buys.
+// default) and the checks (32 by default). Trees differ from run to run: FLANN draws them from
+// std::random_device, which no seed reaches. Made for high dimensions; in three it shows what approximation
+// costs and buys.
 #include "bench/core/registry.hpp"
 #include "bench/knn/flann_search.hpp"
 
@@ -14,7 +15,6 @@ class FlannForest final : public Index {
  public:
   FlannForest(const Input& input, const Knobs& knobs)
       : index_(flann_matrix(input.points), flann::KDTreeIndexParams(knobs.at("trees").get<int>())) {
-    flann::seed_random(1);
     index_.buildIndex();
   }
 

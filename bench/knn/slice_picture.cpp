@@ -1,5 +1,6 @@
 #include "bench/knn/slice_picture.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -21,8 +22,10 @@ std::string number(double x) {
 }
 
 // From light to dark with depth: a single hue, readable without colour vision.
-std::string colour(std::size_t depth, std::size_t deepest) {
-  const double share = deepest > 0 ? static_cast<double>(depth) / static_cast<double>(deepest) : 0;
+std::string colour(std::size_t depth, std::size_t shallowest, std::size_t deepest) {
+  const double share = deepest > shallowest ? static_cast<double>(depth - shallowest) /
+                                                  static_cast<double>(deepest - shallowest)
+                                            : 0;
   const auto mix = [&](int light, int dark) {
     return std::to_string(static_cast<int>(light + share * (dark - light)));
   };
@@ -72,10 +75,11 @@ std::string slice_svg(std::span<const Vec3f> points, const std::vector<accel::Sl
   const Frame frame(box, axis);
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-2 -2 " + number(frame.width + 4) +
                     " " + number(frame.height + 4) + "\">\n<g stroke=\"#444\" stroke-width=\"0.4\">\n";
-  std::size_t deepest = 0;
-  for (const auto& c : cells) deepest = std::max(deepest, c.depth);
+  std::size_t shallowest = SIZE_MAX, deepest = 0;
+  for (const auto& c : cells)
+    shallowest = std::min(shallowest, c.depth), deepest = std::max(deepest, c.depth);
   for (std::size_t i = 0; i < std::min(cells.size(), most_cells); ++i) {
-    svg += "<path fill=\"" + colour(cells[i].depth, deepest) + "\" d=\"";
+    svg += "<path fill=\"" + colour(cells[i].depth, shallowest, deepest) + "\" d=\"";
     char command = 'M';
     for (const geometry::Vec2d& p : cells[i].outline) {
       svg += command + frame.x(p[0]) + " " + frame.y(p[1]);
@@ -92,7 +96,7 @@ std::string slice_svg(std::span<const Vec3f> points, const std::vector<accel::Sl
   const std::size_t drawn = std::min(close.size(), most_points);
   for (std::size_t i = 0; i < drawn; ++i) {
     const Vec3f& p = points[close[i * close.size() / drawn]];
-    svg += "<circle r=\"1\" cx=\"" + frame.x(p[frame.u]) + "\" cy=\"" + frame.y(p[frame.v]) + "\"/>\n";
+    svg += "<circle r=\"1.5\" cx=\"" + frame.x(p[frame.u]) + "\" cy=\"" + frame.y(p[frame.v]) + "\"/>\n";
   }
   return svg + "</g>\n</svg>\n";
 }
