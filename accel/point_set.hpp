@@ -3,14 +3,16 @@
 // the way in.
 //
 // Clouds so large or so small that squared distances would overflow or vanish are scaled by a power of two,
-// which is exact but for coordinates that underflow beside others above 2^40 (float). What remains: distances
-// that overflow the scalar compare equal, so that their order falls back on ids.
+// which is exact but for coordinates that underflow. The scale is that of a typical point, so that one far
+// outlier does not make the distances among all others vanish. What remains: distances that overflow the
+// scalar compare equal, so that their order falls back on ids.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "accel/concepts.hpp"
@@ -67,6 +69,11 @@ T squared_distance(const geometry::Box<T, D>& box, const geometry::Vec<T, D>& q)
   return squared_length<T, D>(offsets);
 }
 
+/// Scaled coordinates stay below 2^query_exponent: differences of that size overflow when squared, yet their
+/// sums and projections stay finite.
+template <class T>
+inline constexpr int query_exponent = std::numeric_limits<T>::max_exponent / 2 + 8;
+
 template <class T, int D>
 struct PointEntry {
   geometry::Vec<T, D> point;
@@ -98,7 +105,6 @@ struct PointSet {
       throw InvalidInput(std::to_string(points.size()) + " points; at most " + std::to_string(largest_size) +
                          " can be indexed");
     entries.reserve(points.size());
-    T largest = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (!geometry::is_finite(points[i])) {
         if (options.non_finite == NonFinite::refuse)
@@ -106,11 +112,10 @@ struct PointSet {
         ++dropped;
         continue;
       }
-      for (int a = 0; a < D; ++a) largest = std::max(largest, std::abs(points[i][a]));
       entries.push_back({points[i], static_cast<Id>(i)});
     }
     if (dropped > 0) entries.shrink_to_fit();
-    choose_scale(largest);
+    choose_scale();
     for (auto& e : entries) e.point = e.point * scale, box.grow(e.point);
   }
 
@@ -119,8 +124,7 @@ struct PointSet {
   /// The query in scaled coordinates, held where even a plane's projection stays finite; every distance to a
   /// point overflows on both sides of that limit.
   Point scaled(const Point& q) const {
-    constexpr int exponent = std::numeric_limits<T>::max_exponent / 2 + 8;
-    const T limit = std::ldexp(T(1), exponent);
+    const T limit = std::ldexp(T(1), query_exponent<T>);
     Point r;
     for (int i = 0; i < D; ++i) r[i] = std::clamp(q[i] * scale, -limit, limit);
     return r;
@@ -144,15 +148,34 @@ struct PointSet {
   }
 
  private:
-  void choose_scale(T largest) {
+  void choose_scale() {
     using Limits = std::numeric_limits<T>;
     constexpr int high = Limits::max_exponent / 2 - Limits::digits;  // queries may lie 2^digits times farther
     constexpr int low = Limits::min_exponent / 2 + 2 * Limits::digits;  // gaps may be 2^-2digits of the whole
+    const auto [typical, largest] = magnitudes();
     if (largest == 0) return;
-    const int exponent = std::ilogb(largest);
-    if (exponent >= low && exponent <= high) return;
-    const int shift = std::clamp(-exponent, 8 - Limits::max_exponent, high);
+    const int exponent = std::ilogb(typical), highest = std::ilogb(largest);
+    int shift = exponent < low || exponent > high ? std::clamp(-exponent, 8 - Limits::max_exponent, high) : 0;
+    shift = std::min(shift, query_exponent<T> - 1 - highest);  // outliers, too, must be told from infinity
     scale = std::ldexp(T(1), shift), inverse_scale = std::ldexp(T(1), -shift);
+  }
+
+  /// Median over a sample, and maximum over all, of the points' largest coordinates; points at the origin do
+  /// not count.
+  std::pair<T, T> magnitudes() const {
+    std::vector<T> sample;
+    const std::size_t step = entries.size() / 1024 + 1;
+    T largest = 0;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      T magnitude = 0;
+      for (int a = 0; a < D; ++a) magnitude = std::max(magnitude, std::abs(entries[i].point[a]));
+      largest = std::max(largest, magnitude);
+      if (magnitude > 0 && i % step == 0) sample.push_back(magnitude);
+    }
+    if (sample.empty()) return {largest, largest};
+    const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
+    std::nth_element(sample.begin(), middle, sample.end());
+    return {*middle, largest};
   }
 };
 
