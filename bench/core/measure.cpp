@@ -43,12 +43,11 @@ Build timed_build(Block& block, std::size_t method, const Knobs& build_knobs, in
   try {
     for (int i = 0; i < times; ++i) {
       out.subject.reset();  // never two at a time
-      std::optional<ByteCount> count;
-      if (i == 0) count.emplace();
+      const ByteCount count;
       const Stopwatch watch;
       out.subject = block.build(method, build_knobs, threads);
       seconds.push_back(watch.seconds());
-      if (count) out.bytes = count->live();
+      out.bytes = count.live();  // of the last build: the first may hold a library's thread pools, too
       if (seconds.back() > short_build_s) break;
     }
     out.seconds = median_interval(seconds).median;

@@ -15,7 +15,7 @@ struct Build {
   std::optional<std::size_t> bytes;
 };
 
-/// Builds once counting bytes, and up to `times` times in all while that stays short; seconds is the median.
+/// Builds up to `times` times while that stays short; seconds is the median, bytes those of the last.
 Build timed_build(Block&, std::size_t method, const Knobs& build_knobs, int threads, int times);
 /// Copies status, seconds and bytes into a row.
 void note_build(Row&, const Build&);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
 #include <stdexcept>
 
 #include "bench/core/measure.hpp"
@@ -61,27 +63,30 @@ Stress::Case Stress::open(const BlockSpec& spec) {
 std::vector<Row> Stress::run(const BlockSpec& spec, Progress& progress) {
   rows_.clear();
   Case hard = open(spec);
-  std::vector<std::vector<Cell>> by_method(task_.methods().size());
+  std::map<std::pair<std::size_t, std::size_t>, std::vector<Cell>> by_build;
   const auto plan = [&](Cell cell) {
-    if (cell.build > 0 || cell.query_knobs >= query_knobs_tried || !filter_.matches(cell.name)) return;
+    if (cell.query_knobs >= query_knobs_tried || !filter_.matches(cell.name)) return;
+    if (cell.row.status != Status::not_built &&
+        std::ranges::count(task_.methods()[cell.method].stress_builds, cell.build) == 0)
+      return;
     if (const Row* row = file_.finished(cell.row.key()))
       rows_.push_back(*row);
     else if (cell.row.status == Status::not_built)
       finish(cell.row);
     else
-      by_method[cell.method].push_back(std::move(cell));
+      by_build[{cell.method, cell.build}].push_back(std::move(cell));
   };
   for (Cell& cell : not_built_cells(task_, hard.facts, options_.context.threads)) plan(std::move(cell));
   for (Cell& cell : cells_of(task_, hard.facts, options_.context.threads)) plan(std::move(cell));
-  for (std::size_t m = 0; m < by_method.size(); ++m) {
-    if (by_method[m].empty()) continue;
-    progress.step(static_cast<double>(m) / static_cast<double>(by_method.size()), task_.methods()[m].name);
-    run_method(hard, std::move(by_method[m]));
+  double done = 0;
+  for (auto& [which, cells] : by_build) {
+    progress.step(done++ / static_cast<double>(by_build.size()), task_.methods()[which.first].name);
+    run_build(hard, std::move(cells));
   }
   return std::move(rows_);
 }
 
-void Stress::run_method(Case& hard, std::vector<Cell> cells) {
+void Stress::run_build(Case& hard, std::vector<Cell> cells) {
   std::size_t next = 0;
   int timeouts = 0;
   while (next < cells.size()) {

@@ -20,7 +20,7 @@ class Stress {
  private:
   struct Case;
   Case open(const BlockSpec&);
-  void run_method(Case&, std::vector<Cell> cells);
+  void run_build(Case&, std::vector<Cell> cells);
   void finish(const Row&);
 
   const Task& task_;

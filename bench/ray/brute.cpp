@@ -11,6 +11,7 @@ const bool registered = Registry<Method>::instance().add(
               .family = "brute",
               .claim = Claim::bounded,  // with the watertight test; see claim_of()
               .build_knobs = {Knobs{{"test", "watertight"}}, Knobs{{"test", "moller_trumbore"}}},
+              .stress_builds = {0, 1},  // both ray tests
               .ladder = 0,
               .largest_n = 20'000},
      .build = build_tree<accel::BruteForce>});

@@ -11,6 +11,7 @@ const bool registered = Registry<Method>::instance().add(
               .family = "bsp",
               .claim = Claim::bounded,  // with the watertight test; see claim_of()
               .build_knobs = tree_knobs({8}),
+              .stress_builds = {0, 1},  // both ray tests
               .ladder = 30,
               // Above, one build takes over ten seconds.
               .largest_n = 500'000},

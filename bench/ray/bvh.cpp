@@ -11,6 +11,7 @@ const bool registered = Registry<Method>::instance().add(
               .family = "bvh",
               .claim = Claim::bounded,  // with the watertight test; see claim_of()
               .build_knobs = tree_knobs({8, 2, 4}),
+              .stress_builds = {0, 3},  // both ray tests
               .ladder = 10},
      .build = build_tree<accel::Bvh>});
 

@@ -64,6 +64,7 @@ const bool registered = Registry<Method>::instance().add(
               .claim = Claim::approximate,
               .peer_version = embree_version(),
               .build_knobs = embree_builds(true),
+              .stress_builds = {0, 3},  // medium, fast and robust
               .ladder = 40},
      .build = [](const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) -> std::unique_ptr<Index> {
        return std::make_unique<EmbreeSingle>(mesh, knobs, threads);

@@ -58,8 +58,8 @@ def winners_table(task, run):
     return (f'<div class="scroll"><table class="winners"><thead><tr><th scope=col>dataset</th>{head}</tr></thead>'
             f'<tbody>{"".join(lines)}</tbody></table></div><p class="note">{foot}Each cell: the fastest right method at '
             "the largest size, and how many times faster our best is than the best peer in the same run; ~ where the "
-            "intervals of the repetitions overlap or there was only one. Right is a mean error of at most 1e-6, which is what single precision "
-            "leaves, and no broken claim.</p>")  # fmt: skip
+            "intervals of the repetitions overlap or there was only one. Right is a mean error of at most 1e-6, which is "
+            "what single precision leaves, and no broken claim.</p>")  # fmt: skip
 
 
 def _winner(task, k, query_set, w):
@@ -78,18 +78,18 @@ def _winner(task, k, query_set, w):
 
 def matrix_table(task):
     """Hard case × method."""
-    cases, methods, cells = stability.matrix(task.rows, task.looks)
+    cases, columns, cells = stability.matrix(task.rows, task.looks)
     if not cases:
         return ""
-    head = "".join(f"<th scope=col><span>{esc(m)}</span>{glyph(task.looks[m])}</th>" for m in methods)
+    head = "".join(f"<th scope=col><span>{esc(c.label)}</span>{glyph(task.looks[c.method])}</th>" for c in columns)
     lines = []
     for case in cases:
-        line = "".join(_cell(cells.get((case, m))) for m in methods)
+        line = "".join(_cell(cells.get((case, c))) for c in columns)
         lines.append(f"<tr><th scope=row>{esc(case)}</th>{line}</tr>")
     totals = []
-    for m in methods:
-        mine = [cells[c, m] for c in cases if (c, m) in cells]
-        bad = sum(c.status in ("crashed", "timeout", "out_of_memory", "wrong") for c in mine)
+    for column in columns:
+        mine = [cells[case, column] for case in cases if (case, column) in cells]
+        bad = sum(cell.status in ("crashed", "timeout", "out_of_memory", "wrong") for cell in mine)
         totals.append(f'<td class="{"st-wrong" if bad else "st-ok"}">{bad}</td>')
     key = " ".join(f'<span><i class="st-{s}">{stability.LETTERS[s]}</i> {w}</span>' for s, w in stability.WORDS.items())
     name = f"{task.name}-matrix"

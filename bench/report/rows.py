@@ -92,10 +92,10 @@ class Rows:
 
 
 def knob_text(knobs):
-    return ", ".join(f"{name} {_plain(value)}" for name, value in (knobs or {}).items())
+    return ", ".join(f"{name} {plain(value)}" for name, value in (knobs or {}).items())
 
 
-def _plain(value):
+def plain(value):
     if isinstance(value, bool):
         return "yes" if value else "no"
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -2,16 +2,19 @@
 
 from dataclasses import dataclass
 
+from bench.report.frontier import RIGHT, shown_error
+from bench.report.rows import plain
 from bench.report.units import figure
 
-# Worst first. Letter and word go with the colour, which alone would not reach everybody.
+# Worst first: the statuses of rows, and "inexact" for a row that is ok by its method's claim, yet not right.
+# Letter and word go with the colour, which alone would not reach everybody.
 LETTERS = {
-    "crashed": "C", "timeout": "T", "out_of_memory": "M", "wrong": "W", "refused": "R", "ok": "✓",
+    "crashed": "C", "timeout": "T", "out_of_memory": "M", "wrong": "W", "inexact": "≈", "refused": "R", "ok": "✓",
     "unsupported": "–", "not_built": "·",
 }  # fmt: skip
 WORDS = {
     "crashed": "crashed", "timeout": "ran past its time limit", "out_of_memory": "ran out of memory",
-    "wrong": "wrong answer", "refused": "refused with a clear error", "ok": "right",
+    "wrong": "wrong answer", "inexact": "errs, as its own claim allows", "refused": "refused with a clear error", "ok": "right",
     "unsupported": "has no such query", "not_built": "not built",
 }  # fmt: skip
 
@@ -29,7 +32,9 @@ class Cell:
 
     @property
     def error(self):
-        """The largest error of the worst row, short; empty where it says nothing."""
+        """The figure behind the status, short: how far off at worst, or on average where errors are allowed."""
+        if self.status == "inexact":
+            return figure(shown_error(self.row))
         value = self.row.error_max if self.row.error_max is not None else self.row.error
         return figure(abs(value)) if value is not None and self.status == "wrong" else ""
 
@@ -47,16 +52,51 @@ class Cell:
         return "; ".join(parts) + (f". {row.reason}" if row.reason else "")
 
 
-def matrix(rows, methods):
-    """(cases, methods that have a row, {(case, method): Cell}) of one task's rows."""
-    order, cells, cases = list(LETTERS), {}, {}
+@dataclass(frozen=True)
+class Column:
+    """A method, and which of its builds where several faced the hard cases."""
+
+    method: str
+    build: str = ""
+
+    @property
+    def label(self):
+        return f"{self.method}, {self.build}" if self.build else self.method
+
+
+def status_of(row):
+    return "inexact" if row.status == "ok" and (shown_error(row) or 0) > RIGHT else row.status
+
+
+def _columns(rows, methods):
+    """{(method, build knobs as text): Column}, in the order of the methods."""
+    builds = {m: {} for m in methods}
     for row in rows:
-        if row.hard:
-            cases.setdefault(row.dataset, None)
-            cells.setdefault((row.dataset, row.method), []).append(row)
+        if row.hard and row.method in builds and row.status != "not_built":
+            builds[row.method].setdefault(row.configuration[1], row.build_knobs or {})
+    out = {}
+    for method, knobs in builds.items():
+        differing = {k for one in knobs.values() for k, v in one.items() if any(o.get(k) != v for o in knobs.values())}
+        for text, one in knobs.items():
+            out[method, text] = Column(method, ", ".join(f"{k} {plain(v)}" for k, v in one.items() if k in differing))
+    return out
+
+
+def matrix(rows, methods):
+    """(cases, columns, {(case, column): Cell}) of one task's rows."""
+    order, cells, cases = list(LETTERS), {}, {}
+    columns = _columns(rows, methods)
+    for row in rows:
+        if not row.hard or row.method not in methods:
+            continue
+        cases.setdefault(row.dataset, None)
+        column = columns.setdefault((row.method, row.configuration[1]), Column(row.method))
+        cells.setdefault((row.dataset, column), []).append(row)
     summed = {}
     for key, group in cells.items():
         ran = [r for r in group if r.status not in ("unsupported", "not_built")] or group
-        worst = min(ran, key=lambda r: order.index(r.status))
-        summed[key] = Cell(worst.status, worst, len(ran), sum(r.status == worst.status for r in ran))
-    return list(cases), [m for m in methods if any((c, m) in summed for c in cases)], summed
+        worst = min(ran, key=lambda r: (order.index(status_of(r)), -(shown_error(r) or 0)))
+        status = status_of(worst)
+        summed[key] = Cell(status, worst, len(ran), sum(status_of(r) == status for r in ran))
+    used = dict.fromkeys(c for m in methods for c in columns.values() if c.method == m)
+    return list(cases), [c for c in used if any((case, c) in summed for case in cases)], summed

@@ -12,7 +12,7 @@ from bench.report.units import count
 
 COLORS = {
     "crashed": "#8c8c8c", "timeout": "#E69F00", "out_of_memory": "#CC79A7", "wrong": "#D55E00", "refused": "#56B4E9",
-    "ok": "#9fd8c5", "unsupported": "#e8e8e8", "not_built": "#f4f4f4",
+    "inexact": "#F0E442", "ok": "#9fd8c5", "unsupported": "#e8e8e8", "not_built": "#f4f4f4",
 }  # fmt: skip
 
 
@@ -56,9 +56,9 @@ def _charts(task):
                 label = f"{label} per {task.text.element}, log"
                 chart = charts.lanes_chart(_data(task, at_size), field, label, methods, task.looks, False, 460)
                 yield f"{_file_name(task.name, dataset, field)}", chart.properties(title=f"{dataset}, {count(size)}")
-    cases, methods, cells = stability.matrix(task.rows, task.looks)
+    cases, columns, cells = stability.matrix(task.rows, task.looks)
     if cases:
-        yield f"{task.name}-stability", _matrix(task, cases, methods, cells)
+        yield f"{task.name}-stability", _matrix(task, cases, columns, cells)
 
 
 def _data(task, rows):
@@ -70,10 +70,11 @@ def _used(task, rows):
     return {m: look for m, look in task.looks.items() if m in names}
 
 
-def _matrix(task, cases, methods, cells):
-    values = [{"case": c, "method": m, "status": cell.status, "letter": cell.letter} for (c, m), cell in cells.items()]
+def _matrix(task, cases, columns, cells):
+    values = [{"case": c, "method": column.label, "status": cell.status, "letter": cell.letter}
+              for (c, column), cell in cells.items()]
     base = alt.Chart(alt.Data(values=values)).encode(
-        x=alt.X("method:N", sort=methods, axis=alt.Axis(title=None, orient="top", labelAngle=-45)),
+        x=alt.X("method:N", sort=[c.label for c in columns], axis=alt.Axis(title=None, orient="top", labelAngle=-45)),
         y=alt.Y("case:N", sort=cases, axis=alt.Axis(title=None, labelLimit=260)))  # fmt: skip
     color = alt.Color("status:N", scale=alt.Scale(domain=list(COLORS), range=list(COLORS.values())))
     chart = alt.layer(base.mark_rect(stroke="white").encode(color=color),

@@ -203,17 +203,28 @@ class Stability(unittest.TestCase):
 
         found = list(read(hard("a", "ok", error=0.0), hard("b", "wrong", error=0.25, reason="query 3"),
                           hard("c", "unsupported")))  # fmt: skip
-        cases, methods, cells = stability.matrix(found, ["kd_tree"])
-        cell = cells["ties", "kd_tree"]
+        cases, columns, cells = stability.matrix(found, ["kd_tree"])
+        cell = cells["ties", columns[0]]
         self.assertEqual(
-            (cases, methods, cell.letter, cell.error, cell.bad, cell.count), (["ties"], ["kd_tree"], "W", "0.25", 1, 2)
+            (cases, columns[0].label, cell.letter, cell.error, cell.bad, cell.count), (["ties"], "kd_tree", "W", "0.25", 1, 2)
         )
         self.assertIn("query 3", cell.detail)
 
     def test_every_status_has_its_own_letter_and_word(self):
         for table in (stability.LETTERS, stability.WORDS):
-            self.assertEqual(set(table), set(rows.STATUSES))
-            self.assertEqual(len(set(table.values())), len(rows.STATUSES))
+            self.assertEqual(set(table), {*rows.STATUSES, "inexact"})
+            self.assertEqual(len(set(table.values())), len(rows.STATUSES) + 1)
+
+    def test_builds_have_columns_of_their_own_and_allowed_errors_show(self):
+        def hard(robust, error):
+            return made(LOOSE, None, error, build={"quality": "low", "robust": robust}) | {
+                "block": "hard/ties", "dataset": "ties"}  # fmt: skip
+
+        found = list(read(hard(False, 0.19), hard(True, 0.0)))
+        _, columns, cells = stability.matrix(found, ["forest"])
+        self.assertEqual([c.label for c in columns], ["forest, robust no", "forest, robust yes"])
+        shown = [(cells["ties", c].status, cells["ties", c].error) for c in columns]
+        self.assertEqual(shown, [("inexact", "0.19"), ("ok", "")])
 
 
 class Comparing(unittest.TestCase):
