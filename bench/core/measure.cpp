@@ -43,7 +43,7 @@ Build timed_build(Block& block, std::size_t method, const Knobs& build_knobs, in
   try {
     for (int i = 0; i < times; ++i) {
       out.subject.reset();  // never two at a time
-      const ByteCount count;
+      ByteCount count;
       const Stopwatch watch;
       out.subject = block.build(method, build_knobs, threads);
       seconds.push_back(watch.seconds());
