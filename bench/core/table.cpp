@@ -38,7 +38,7 @@ Unit unit_of(double ns) {
 
 std::string time_of(const Row& row) {
   if (!row.query_ns) return "-";
-  if (!row.query_ns_low || !row.query_ns_high) return format_time_ns(*row.query_ns);
+  if (!row.query_ns_low || !row.query_ns_high || row.samples.size() < 2) return format_time_ns(*row.query_ns);
   const Unit unit = unit_of(*row.query_ns);
   return fmt::format("{:.3g} {} [{:.3g}, {:.3g}]", *row.query_ns / unit.ns, unit.name,
                      *row.query_ns_low / unit.ns, *row.query_ns_high / unit.ns);
@@ -79,16 +79,18 @@ std::string format_table(const std::vector<Row>& rows) {
                   std::max_element(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
                     return a.queries < b.queries;
                   })->queries);
+  std::size_t width = 0;
+  for (const Row* row : sorted) width = std::max(width, row->method.size() + 2 + knobs_of(*row).size());
   std::string set;
   for (const Row* row : sorted) {
     if (row->query_set != set || row == sorted.front()) {
       set = row->query_set;
-      out += fmt::format("  {:<40} {:<28} {:>9}  status\n", set, "time/query [interval]", "error");
+      out += fmt::format("  {:<{}} {:<24} {:>9}  status\n", set, width + 2, "time/query [interval]", "error");
     }
     const std::string name = row->method + "  " + knobs_of(*row);
-    out +=
-        fmt::format("    {:<38} {:<28} {:>9}  {}{}\n", name, time_of(*row), format_error(row->errors.error),
-                    to_string(row->status), row->reason.empty() ? "" : ": " + shortened(row->reason));
+    out += fmt::format("    {:<{}} {:<24} {:>9}  {}{}\n", name, width, time_of(*row),
+                       format_error(row->errors.error), to_string(row->status),
+                       row->reason.empty() ? "" : ": " + shortened(row->reason));
   }
   return out;
 }
