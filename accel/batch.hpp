@@ -11,6 +11,10 @@
 #include <vector>
 
 #include "accel/concepts.hpp"
+#ifdef __SANITIZE_THREAD__
+#include <atomic>
+#include <future>
+#endif
 
 namespace treeline::accel {
 
@@ -29,13 +33,23 @@ void parallel_ranges(std::size_t n, int threads, F&& f) {
   if (n == 0) return;
   if (threads == 1 || n <= batch_chunk) return static_cast<void>(f(std::size_t{0}, n));
   const std::size_t chunks = (n + batch_chunk - 1) / batch_chunk;
+  const auto chunk = [&](std::size_t c) { f(c * batch_chunk, std::min(n, (c + 1) * batch_chunk)); };
+#ifdef __SANITIZE_THREAD__
+  // The thread sanitizer does not see how TBB's library, built without it, hands work over; it sees this.
+  std::atomic<std::size_t> next{0};
+  std::vector<std::future<void>> helpers;
+  for (int i = 0; i < threads; ++i)
+    helpers.push_back(std::async(std::launch::async, [&] {
+      for (std::size_t c; (c = next++) < chunks;) chunk(c);
+    }));
+  for (auto& helper : helpers) helper.wait();
+  for (auto& helper : helpers) helper.get();
+#else
   // Asking TBB for more workers than it may have makes it print.
   const std::size_t most = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   tbb::task_arena arena(static_cast<int>(std::min<std::size_t>(most, static_cast<std::size_t>(threads))));
-  arena.execute([&] {
-    tbb::parallel_for(std::size_t{0}, chunks,
-                      [&](std::size_t c) { f(c * batch_chunk, std::min(n, (c + 1) * batch_chunk)); });
-  });
+  arena.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, chunk); });
+#endif
 }
 
 /// Fills `lists` with the answers of n queries in query order. append(i, items) adds those of query i to
