@@ -39,17 +39,31 @@ AxisCut<T> halve(PointSet<T, D>& set, std::size_t first, std::size_t last, int a
   return {axis, below + (above - below) / T(2), first + (last - first) / 2};
 }
 
+/// Surface area of a box, half the perimeter in a plane, beyond three dimensions the sum of the sides; in
+/// units of `unit`, so that it neither overflows nor vanishes.
+template <class T, int D>
+double surface(const geometry::Box<T, D>& box, double unit) {
+  geometry::Vec<double, D> e;
+  for (int a = 0; a < D; ++a)
+    e[a] = box.empty() ? 0 : (static_cast<double>(box.high[a]) - static_cast<double>(box.low[a])) / unit;
+  if constexpr (D == 3) return 2 * (e[0] * e[1] + e[1] * e[2] + e[2] * e[0]);
+  double sum = 0;
+  for (int a = 0; a < D; ++a) sum += e[a];
+  return sum;
+}
+template <class T, int D>
+double longest_side(const geometry::Box<T, D>& box) {
+  const int a = box.widest_axis();
+  return static_cast<double>(box.high[a]) - static_cast<double>(box.low[a]);
+}
+
 /// The chance that a random line through the whole also meets the part; 0 where lines have no such measure.
 template <class T, int D>
 double line_share(const geometry::Box<T, D>& part, const geometry::Box<T, D>& whole) {
-  if constexpr (D == 3) {
-    const double area =
-        surface_area(geometry::Box<double, 3>{geometry::Vec3d(whole.low), geometry::Vec3d(whole.high)});
-    if (area > 0)
-      return surface_area(geometry::Box<double, 3>{geometry::Vec3d(part.low), geometry::Vec3d(part.high)}) /
-             area;
-  }
-  return 0;
+  if (D != 3) return 0;
+  const double unit = longest_side(whole);
+  const double all = unit > 0 ? surface(whole, unit) : 0;
+  return all > 0 ? surface(part, unit) / all : 0;
 }
 
 inline void add_inner(TreeStats& stats, double share) {

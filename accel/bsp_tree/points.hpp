@@ -4,7 +4,8 @@
 // directions in which they spread most (Dasgupta and Freund 2008), at the median: the tree is balanced.
 // Cost: O(n log n) to build, 16 + 24/leaf bytes a point (float, 3-D).
 // Known weakness: a cell is bounded by the planes on the way to it, one at a time, since slanted distances do
-// not add up: far queries look into many cells (boxes bound better, see bvh/points.hpp).
+// not add up: far queries look into many cells (boxes bound better, see bvh/points.hpp). Rounding is allowed
+// for by the size of the whole cloud, so that one outlier blurs the planes among all other points.
 #pragma once
 
 #include <array>

@@ -114,19 +114,10 @@ std::size_t Bvh<Points<T, D>>::sah_cut(std::size_t first, std::size_t last, cons
         (p[axis] - box.low[axis]) / (box.high[axis] - box.low[axis]);  // in [0, 1], even for tiny sides
     return std::min(bins - 1, static_cast<int>(share * T(bins)));
   };
-  const auto sides = [](const Box& b) {
-    double sum = 0;
-    for (int a = 0; a < D; ++a) sum += static_cast<double>(b.high[a]) - static_cast<double>(b.low[a]);
-    return sum;
-  };
   // Flat clouds have areas yet; those on a line along an axis have none, and are measured by length.
-  bool by_area = false;
-  if constexpr (D == 3) by_area = surface_area(box) > T(0);
-  const auto measure = [&](const Box& b) {
-    if constexpr (D == 3)
-      if (by_area) return static_cast<double>(surface_area(b));
-    return sides(b);
-  };
+  const double unit = longest_side(box);
+  const bool by_area = surface(box, unit) > 0;
+  const auto measure = [&](const Box& b) { return by_area ? surface(b, unit) : longest_side(b) / unit; };
 
   double best_cost = std::numeric_limits<double>::infinity();
   int best_axis = -1, best_border = 0;

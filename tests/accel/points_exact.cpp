@@ -59,6 +59,25 @@ TYPED_TEST(PointTrees, NearestAreThoseOfTheTruth) {
   }
 }
 
+// A point so far away that squared distances to it overflow neither disturbs those among the others nor the
+// build.
+TYPED_TEST(PointTrees, OneFarOutlier) {
+  using T = typename TypeParam::T;
+  constexpr int D = TypeParam::D;
+  auto points = uniform_cloud<T, D>(1500);
+  const auto queries = queries_for(points, 10);
+  points[700] = geometry::Vec<T, D>::filled(std::ldexp(T(1), std::numeric_limits<T>::max_exponent / 4 * 3));
+  for_each_tree<T, D>(points, [&](const std::string&, const auto& tree) {
+    EXPECT_TRUE(std::isfinite(tree.stats().sah_cost));
+    std::vector<Neighbor<T>> out(points.size());
+    for (const auto& q : queries)
+      for (const std::size_t k : {std::size_t{1}, std::size_t{20}, points.size()}) {
+        ASSERT_EQ(tree.nearest(q, k, out), k);
+        expect_nearest<T, D>(points, q, k, std::span(out).first(k), ranked(points, q));
+      }
+  });
+}
+
 // All trees measure distance by one function and break ties by id, so they agree with brute force to the bit.
 TYPED_TEST(PointTrees, AgreeToTheBitWithBruteForce) {
   using T = typename TypeParam::T;
