@@ -160,7 +160,9 @@ class PointQueries {
   // ---- refusals ---------------------------------------------------------------------------------------
 
   static std::string numbered(const char* what, std::size_t i) {
-    return i == no_index ? what : what + (" " + std::to_string(i));
+    std::string name(what);
+    if (i != no_index) name.append(1, ' ').append(std::to_string(i));
+    return name;
   }
   static void check_k(std::size_t k) {
     if (k == 0) throw InvalidInput("k is 0; it must be at least 1");
