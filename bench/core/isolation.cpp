@@ -59,12 +59,14 @@ void limit(decltype(RLIMIT_AS) what, std::size_t value) {
   setrlimit(what, &bound);
 }
 
+#ifndef TREELINE_SANITIZED  // sanitizers reserve terabytes of address space, so there is no limit
 std::size_t address_space() {
   std::ifstream statm("/proc/self/statm");
   std::size_t pages = 0;
   statm >> pages;
   return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
+#endif
 
 [[noreturn]] void child(const std::function<void(const Send&)>& work, const Limits& limits, int results,
                         int errors) {
@@ -72,7 +74,7 @@ std::size_t address_space() {
   const int nowhere = open("/dev/null", O_RDWR);
   dup2(nowhere, STDIN_FILENO), dup2(nowhere, STDOUT_FILENO), dup2(errors, STDERR_FILENO);
   limit(RLIMIT_CORE, 0);
-#ifndef TREELINE_SANITIZED  // sanitizers reserve terabytes of address space
+#ifndef TREELINE_SANITIZED
   if (limits.memory > 0) limit(RLIMIT_AS, address_space() + limits.memory);
 #else
   (void)limits;

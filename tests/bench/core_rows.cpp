@@ -74,7 +74,7 @@ TEST(Rows, ReasonThatIsNoTextIsRepaired) {
   row.reason = "a library wrote \xff\xfe and\na newline";
   const std::string line = row.to_line();
   EXPECT_EQ(line.find('\n'), std::string::npos);
-  EXPECT_NO_THROW((void)nlohmann::ordered_json::parse(line));
+  EXPECT_TRUE(nlohmann::ordered_json::accept(line));
 }
 
 TEST(Rows, KeysTellCellsApartAndIgnoreResults) {
