@@ -55,7 +55,8 @@ std::vector<Cell> cells_of(const Task& task, const BlockFacts& facts, int thread
   std::vector<Cell> out;
   const auto& methods = task.methods();
   for (std::size_t m = 0; m < methods.size(); ++m)
-    for (std::size_t b = 0; b < methods[m].build_knobs.size(); ++b)
+    for (std::size_t b = 0; b < methods[m].build_knobs.size(); ++b) {
+      if (b > 0 && facts.n > methods[m].sweep_up_to_n) break;
       for (std::size_t s = 0; s < facts.query_sets.size(); ++s)
         for (std::size_t q = 0; q < methods[m].query_knobs.size(); ++q) {
           Cell cell{m, b, q, s, "", row_of(task, facts, facts.query_sets[s], threads)};
@@ -66,6 +67,7 @@ std::vector<Cell> cells_of(const Task& task, const BlockFacts& facts, int thread
           cell.name = cell_name(row);
           out.push_back(std::move(cell));
         }
+    }
   return out;
 }
 

@@ -45,8 +45,9 @@ struct MethodInfo {
   std::vector<Knobs> build_knobs{Knobs::object()};
   std::vector<Knobs> query_knobs{Knobs::object()};  // swept on one build
   std::vector<std::size_t> stress_builds{0};        // which of build_knobs face the hard cases
-  int ladder = 0;                    // order from the least model to the richest, for advice at equal cost
-  std::size_t largest_n = SIZE_MAX;  // not run above (brute force); the row says `unsupported`
+  int ladder = 0;  // order from the least model to the richest, for advice at equal cost
+  std::size_t sweep_up_to_n = SIZE_MAX;  // above, only the first of build_knobs
+  std::size_t largest_n = SIZE_MAX;      // not run above (brute force); the row says `unsupported`
 };
 
 struct QuerySet {

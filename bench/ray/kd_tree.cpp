@@ -13,8 +13,9 @@ const bool registered = Registry<Method>::instance().add(
               .build_knobs = tree_knobs({8, 4}),
               .stress_builds = {0, 2},  // both ray tests
               .ladder = 20,
-              // Above, one build takes over ten seconds.
-              .largest_n = 500'000},
+              // At a million triangles one build takes five to ten seconds.
+              .sweep_up_to_n = 500'000,
+              .largest_n = 3'000'000},
      .build = build_tree<accel::KdTree>});
 
 }  // namespace

@@ -1,6 +1,9 @@
 """The data that the page carries: every row once, compact, and the specification of every chart."""
 
+from collections import Counter
+
 from bench.report import charts, tasks
+from bench.report.frontier import charted, shown_error
 from bench.report.layout import Layout, marks
 from bench.report.palette import looks
 from bench.report.rows import knob_text
@@ -27,6 +30,12 @@ class TaskModel:
         self.runs = sorted({r.run for r in self.soft})
         self.threads = sorted({r.threads for r in self.soft if r.threads is not None})
         self.layouts = {d: Layout(self.of(d), self.looks) for d in self.datasets}
+
+    @property
+    def telling_set(self):
+        """The query set to show first: the one in which most rows trade accuracy for speed."""
+        inexact = Counter(r.query_set for r in self.soft if charted(r) and shown_error(r))
+        return max(self.query_sets, key=lambda s: inexact[s], default=None)
 
     def of(self, dataset):
         return [r for r in self.soft if r.dataset == dataset]

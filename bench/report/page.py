@@ -150,7 +150,7 @@ def _run_name(rows, k):
 
 
 def _toolbar(task, rows):
-    sets = [pieces.option(s, s) for s in task.query_sets]
+    sets = [pieces.option(s, s, s == task.telling_set) for s in task.query_sets]
     sizes = [pieces.option("largest", "largest")] + [pieces.option(s, count(s)) for s in task.sizes]
     runs = [pieces.option(r, _run_name(rows, r)) for r in task.runs]
     threads = [pieces.option(t, t) for t in task.threads]
