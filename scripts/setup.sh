@@ -69,7 +69,7 @@ build_preset() {
       cat "$log" >&2
       fail 2 "configuring failed"
     }
-    grep -E '^-- treeline:' "$log" >&2 || true
+    grep -E 'is not built|is left out|are not read|is not read|is absent' "$log" >&2 || true
   fi
   local targets=()
   [ $# -gt 0 ] && targets=(--target "$@")
