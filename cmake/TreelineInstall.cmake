@@ -1,5 +1,4 @@
 # find_package(treeline) for other projects: the header templates, with none of the peers.
-include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 foreach(part geometry accel shading)

@@ -8,6 +8,8 @@ fail() {
   exit "$1"
 }
 
+packages_came=0
+
 # Installs the packages of packages.txt that are missing; exit status 2 where that is not allowed.
 ensure_packages() {
   local wanted missing=()
@@ -27,7 +29,7 @@ ensure_packages() {
   local line="apt-get install -y --no-install-recommends ${missing[*]}"
   if [ "$install" -eq 0 ]; then
     say "Missing packages, and --no-install was given; peers among them will be 'not_built'. To install them:"
-    say "  sudo $line"
+    say "  sudo apt-get update && sudo $line"
     return
   fi
   local become=()
@@ -36,7 +38,7 @@ ensure_packages() {
       become=(sudo)
     else
       say "These packages are missing, and neither root nor sudo is at hand. Install them with:"
-      say "  $line"
+      say "  apt-get update && $line"
       exit 2
     fi
   fi
@@ -44,6 +46,7 @@ ensure_packages() {
   "${become[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q >&2 || fail 2 "apt-get update failed"
   # shellcheck disable=SC2086
   "${become[@]}" env DEBIAN_FRONTEND=noninteractive $line >&2 || fail 2 "installing packages failed: $line"
+  packages_came=1
 }
 
 # The Python environment of the report, made anew whenever its requirements change.
@@ -63,7 +66,8 @@ build_preset() {
   shift
   local log=$root/build/$preset.configure.log
   mkdir -p "$root/build"
-  if [ ! -f "$build/build.ninja" ]; then
+  # Anew after packages came, too: peers among them are no longer absent.
+  if [ ! -f "$build/build.ninja" ] || [ "$packages_came" -eq 1 ] || [ "$root/packages.txt" -nt "$build/build.ninja" ]; then
     say "Configuring preset $preset"
     (cd "$root" && cmake --preset "$preset") >"$log" 2>&1 || {
       cat "$log" >&2
