@@ -33,6 +33,14 @@ class Rung:
         return None
 
 
+def shared_sets(rows):
+    """The query sets that every method answers: a set that some library lacks must not drop it from the ladder."""
+    timed = [r for r in rows if r.query_ns is not None]
+    answered = {(r.method, r.query_set) for r in timed}
+    sets = list(dict.fromkeys(r.query_set for r in timed))
+    return [s for s in sets if all((r.method, s) in answered for r in timed)] or sets
+
+
 def rungs(rows, query_sets):
     """From the cheapest on; rows of one run, block and thread count. Only configurations that have a time for every
     query set."""

@@ -121,7 +121,7 @@ def gallery(pictures):
 
 def advice(task):
     datasets = "".join(option(d, d) for d in task.datasets)
-    sets = option("*", "all that were measured") + "".join(option(s, s) for s in task.query_sets)
+    sets = option("*", "all that every method answers") + "".join(option(s, s) for s in task.query_sets)
     return (f'<div class="advice" data-task="{task.name}"><div class="controls"><label>dataset <select name="dataset" '
             f'autocomplete="off">{datasets}</select></label><label>query sets <select name="set" autocomplete="off">'
             f'{sets}</select></label><label class="slide">tolerance <input type="range" name="tolerance" min="0" '

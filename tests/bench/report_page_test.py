@@ -141,8 +141,7 @@ class Report(unittest.TestCase):
         for told in self.seen["advice"]:
             task = next(t for t in self.models if t.name == told["task"])
             here = [r for r in task.of(told["dataset"]) if r.size == max(task.sizes)]
-            timed = list(dict.fromkeys(r.query_set for r in here if r.query_ns is not None))
-            sets = timed if told["set"] == "*" else [told["set"]]
+            sets = advice.shared_sets(here) if told["set"] == "*" else [told["set"]]
             best, below, limit = advice.advise(advice.rungs(here, sets), told["tolerance"])
             if best is None:
                 self.assertIn("No configuration", told["take"])

@@ -50,6 +50,14 @@ const rungName = (r) => r.method + ([r.build, r.query].filter(Boolean).length ? 
 const limitText = (limit, tolerance) =>
   (limit.figure === null ? limit.name : `${limit.name} ${figure(limit.figure)}, above ${tolerance === 0 ? "exact" : figure(tolerance)}`) + ` (${limit.set})`;
 
+// The query sets that every method answers: a set that some library lacks must not drop it from the ladder.
+function sharedSets(rows) {
+  const timed = rows.filter((r) => r.ns !== null);
+  const methods = [...new Set(timed.map((r) => r.method))], sets = [...new Set(timed.map((r) => r.set))];
+  const shared = sets.filter((s) => methods.every((m) => timed.some((r) => r.method === m && r.set === s)));
+  return shared.length ? shared : sets;
+}
+
 function updateAdvice(box) {
   const task = box.dataset.task;
   const get = (name) => box.querySelector(`[name="${name}"]`);
@@ -59,8 +67,7 @@ function updateAdvice(box) {
   box.querySelector(".value").textContent = words;
   const c = choice(task);
   const list = chosen(task, get("dataset").value, c, false, true);
-  const measured = [...new Set(list.filter((r) => r.ns !== null).map((r) => r.set))];
-  const sets = get("set").value === "*" ? measured : [get("set").value];
+  const sets = get("set").value === "*" ? sharedSets(list) : [get("set").value];
   const ladder = rungs(list, sets);
   const at = ladder.findIndex((r) => limitOf(r, tolerance) === null);
   const out = box.querySelector(".answer");
