@@ -67,7 +67,7 @@ out=$(cd "$out" && pwd)
 . "$root/scripts/setup.sh"
 ensure_packages
 ensure_python
-build_preset release "${tasks[@]/#/bench_}"
+build_preset release "${tasks[@]/#/bench_}" treeline_gen
 
 status=0
 worst() { [ "$1" -gt "$status" ] && status=$1; }

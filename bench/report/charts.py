@@ -12,7 +12,9 @@ DURATION = (
     "datum.value >= 1e6 ? format(datum.value / 1e6, '~g') + ' ms' : "
     "datum.value >= 1e3 ? format(datum.value / 1e3, '~g') + ' µs' : format(datum.value, '~g') + ' ns'"
 )
-DIM = 0.42
+# Labels only where the first digit is 1, 2 or 5: logarithmic ticks come at every digit.
+ROUND = "indexof(['1', '2', '5'], slice(format(datum.value, '.0e'), 0, 1)) < 0 ? '' : "
+DIM = 0.5
 LEAST = 0.1  # bytes per element, and ns of building: zero has no place on a logarithmic axis
 INK, FAINT = "currentColor", "#8884"
 
@@ -66,7 +68,7 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
                     domain=False, gridOpacity=0.5)  # fmt: skip
     y = alt.Y("y:Q", scale=scale, axis=axis)
     x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, padding=48),
-              axis=alt.Axis(labelExpr=DURATION, title=f"time per {element}, log", tickCount=6, gridOpacity=0.5,
+              axis=alt.Axis(labelExpr=ROUND + DURATION, title=f"time per {element}, log", tickCount=30, gridOpacity=0.5,
                             labelBound=True, labelOverlap="greedy", labelSeparation=8))  # fmt: skip
     zones = [{"zone": name, "from": top, "to": end} for name, top, end in layout.zones()]
     base = alt.Chart(data)
@@ -93,8 +95,8 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
     ]  # fmt: skip
     told = DURATION.replace("datum.value", "datum.x").replace("'~g'", "'.3~g'")
     front = timed.transform_filter("datum.front").transform_calculate(time=told)
-    lane = front.transform_filter(f"datum.y >= {layout.exact_start}")  # nothing is to the left of these
-    layers.append(lane.mark_text(align="right", dx=-9, fontSize=10, fontWeight="bold", fill=INK, opacity=_pick("1"))
+    lane = front.transform_filter(f"datum.y >= {layout.exact_start}")
+    layers.append(lane.mark_text(align="left", dx=9, dy=-7, fontSize=10, fontWeight="bold", fill=INK, opacity=_pick("1"))
                   .encode(x=x, y=y, text="time:N"))  # fmt: skip
     if layout.field:
         top, bottom, _, _ = layout.field
@@ -114,7 +116,7 @@ def lanes_chart(data, field, title, methods, looks, legend=False, width="contain
     scale = alt.Scale(type="log", nice=False, padding=10)
     labels = DURATION if field == "build" else f"datum.value <= {LEAST} ? '≤ {LEAST}' : format(datum.value, '~s')"
     axis = alt.Axis(
-        title=title, tickCount=4, labelExpr=labels, gridOpacity=0.5, labelBound=True, labelOverlap="greedy", labelSeparation=8
+        title=title, tickCount=30, labelExpr=ROUND + labels, gridOpacity=0.5, labelBound=True, labelOverlap="greedy", labelSeparation=8
     )
     base = alt.Chart(data).transform_filter(f"isValid(datum.{field})")
     y = alt.Y("method:N", sort=list(methods), scale=alt.Scale(domain=list(methods)),
@@ -129,7 +131,7 @@ def scaling_chart(data, looks, element, query, legend=False, width="container", 
     x = alt.X("n:Q", scale=alt.Scale(type="log", nice=False, padding=14),
               axis=alt.Axis(title=f"{element}s, log", format="~s", tickCount=4, gridOpacity=0.5))  # fmt: skip
     y = alt.Y("x:Q", scale=alt.Scale(type="log", nice=False, padding=10),
-              axis=alt.Axis(title=f"time per {query}, log", labelExpr=DURATION, tickCount=5, gridOpacity=0.5,
+              axis=alt.Axis(title=f"time per {query}, log", labelExpr=ROUND + DURATION, tickCount=30, gridOpacity=0.5,
                             labelBound=True, labelOverlap="greedy", labelSeparation=8))  # fmt: skip
     base = alt.Chart(data)
     line = base.mark_line(strokeWidth=1.4, opacity=_pick("0.8")).encode(

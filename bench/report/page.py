@@ -93,6 +93,7 @@ def _head(rows):
     versions = {(r.method, r.peer_version) for r in rows if r.source == "peer" and r.peer_version}
     if versions:
         parts.append("<p><b>Peers:</b> " + esc(", ".join(f"{m} {v}" for m, v in sorted(versions))) + ".</p>")
+    parts.append(_busy(rows))
     if flags := sorted({r.flags for r in rows if r.flags}):
         parts.append("<p><b>Flags of our programs:</b> " + " | ".join(f"<code>{esc(f)}</code>" for f in flags) + "</p>")
     if rows.warnings:
@@ -108,9 +109,13 @@ READING = """<details><summary>How to read a chart</summary><ul>
 <li>Left is faster, down is more accurate; both axes are logarithmic. One mark is one configuration of one method.
 The line is the <b>frontier</b>: no other configuration is both faster and more accurate. Marks off the frontier are
 dim.</li>
-<li>Answers without any error that the truth could tell stand in the <b>exact</b> band below, a lane for each method.
+<li>Answers without any error beyond the rounding of single precision (6e-8 for rays, 3e-7 for distances: the
+floor in the table of figures) stand in the <b>exact</b> band below, a lane for each method. Where one configuration beats
+all others in both, the frontier is a single mark and there is nothing to trade.
 Configurations that broke stand on a rail of their own on top; one that never got to a time stands at its right
 end.</li>
+<li>Claims: <b>exact</b> methods err by rounding only; <b>bounded</b> ones within a stated bound; <b>approximate</b>
+ones promise nothing, and their errors are shown without being called wrong.</li>
 <li>A mark's horizontal line is the interval of the repetitions, the mark their median. Where two intervals overlap, do
 not call a winner.</li>
 <li>Point at a mark for its knobs and all its figures; point at a method in the legend to see it alone. Ours are filled,
@@ -118,11 +123,36 @@ peers hollow; colour and shape both tell the method.</li>
 <li>Times are compared within one run on one machine only.</li></ul></details>"""
 
 
+def _meaning(text):
+    """What the query sets ask and what the error is."""
+    if not text.meaning:
+        return ""
+    items = "".join(f"<dt><code>{esc(name)}</code></dt><dd>{esc(asked)}</dd>" for name, asked in text.query_sets)
+    return (f"<details><summary>What is asked, and what the error means</summary><dl>{items}</dl>"
+            f"<p>{esc(text.meaning)} Charted is the mean over queries.</p></details>")  # fmt: skip
+
+
+# Below this share of processor time in wall time, on one thread, something else had the core.
+BUSY = 0.9
+
+
+def _busy(rows):
+    """A warning where the machine had other work while it measured."""
+    timed = [r for r in rows if r.threads == 1 and r.query_ns and r.query_cpu_ns and not r.hard]
+    slowed = sum(r.query_cpu_ns < BUSY * r.query_ns for r in timed)
+    if slowed < 0.05 * len(timed):
+        return ""
+    return (f'<p class="note"><b>The machine was busy:</b> in {slowed:,} of {len(timed):,} timed cells the processor '
+            f"worked on them for less than {BUSY:.0%} of the time. Measure again on a quiet machine before you "
+            "trust close calls.</p>")  # fmt: skip
+
+
 def _section(task, rows, listed, pictures):
     name, text = task.name, task.text
     blocks = [
         f'<section id="{name}"><h2>{esc(text.title)}</h2>',
         f"<p>{esc(text.question)}</p>" if text.question else "",
+        _meaning(text),
     ]
     tables = "".join((f"<h4>{esc(_run_name(rows, r))}</h4>" if len(task.runs) > 1 else "") + pieces.winners_table(task, r)
                      for r in task.runs)  # fmt: skip

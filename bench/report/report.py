@@ -17,7 +17,7 @@ from bench.report import winners
 
 def main(argv=None):
     parser = argparse.ArgumentParser(prog="report.py", description="Makes one HTML report of result rows.")
-    parser.add_argument("rows", nargs="+", metavar="ROWS.jsonl")
+    parser.add_argument("rows", nargs="+", metavar="ROWS.jsonl", help="result files, as --rows of a benchmark writes them")
     parser.add_argument("--pictures", action="append", default=[], metavar="DIR", help="folder with a pictures.jsonl")
     parser.add_argument("--out", metavar="FILE", help="the report, an HTML file")
     parser.add_argument("--svg", metavar="DIR", help="each chart as SVG and PNG, too")
@@ -38,6 +38,8 @@ def main(argv=None):
         return 2
     for warning in warnings:
         print(f"report: warning: {warning}", file=sys.stderr)
+    if arguments.out and not arguments.winners:
+        print(f"Report: {arguments.out}")
     if arguments.winners:
         print(winners.table(list(rows)) or "No row has a right answer with a time.")
     return 0

@@ -10,17 +10,31 @@ class TaskText:
     element: str  # what a dataset is made of
     query: str
     error: str  # name of the primary metric, as an axis title
+    meaning: str = ""  # of that metric
+    query_sets: tuple = ()  # (name, what is asked)
 
 
 TASKS = {
     "knn": TaskText(
         "Neighbours in point clouds",
         "Which points lie nearest to a query, within a radius of it, or inside a box?",
-        "point", "query", "mean relative error"),
+        "point", "query", "mean relative error",
+        "The relative excess of a distance found over the true one, the worst of the k; a neighbour that is missing or "
+        "does not exist counts 1. For radius and box: the share of points missing or surplus.",
+        (("knn1_self, knn8_self, knn32_self", "the 1, 8 or 32 nearest of a point of the cloud, itself included"),
+         ("knn1_off, knn8_off", "the 1 or 8 nearest of a position anywhere in the cloud's box"),
+         ("radius_self", "all within a radius, chosen to hold about 30 points, of a point of the cloud"),
+         ("box_self", "all in a box of about 30 points around a point of the cloud"))),
     "ray": TaskText(
         "Rays through triangle meshes",
         "Which triangle does a ray meet first, and does it meet any?",
-        "triangle", "ray", "mean relative error"),
+        "triangle", "ray", "mean relative error",
+        "The relative error of the hit distance; a false hit or a false miss counts 1. An answer that is right for a ray "
+        "moved by the rounding of its coordinates counts as right.",
+        (("camera", "the closest hit of rays from one eye, in the order of pixels"),
+         ("camera_any", "whether those rays hit anything"),
+         ("diffuse", "the closest hit of rays that bounce off what the camera sees, in random order"),
+         ("shadow", "whether anything stands between what the camera sees and a light"))),
 }  # fmt: skip
 
 
