@@ -67,7 +67,11 @@ class PointQueries {
                int threads = 1) const {
     check_k(k);
     check_queries(queries);
-    if (out.size() / k < queries.size()) check_room(out.size(), queries.size() * k);
+    if (out.size() / k < queries.size()) {  // the product below may wrap around
+      if (queries.size() <= static_cast<std::size_t>(-1) / k) check_room(out.size(), queries.size() * k);
+      throw InvalidInput("out holds " + std::to_string(out.size()) + " answers; it must hold " +
+                         std::to_string(k) + " for each query");
+    }
     const std::size_t m = std::min(k, size());
     parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
       NoWork work;

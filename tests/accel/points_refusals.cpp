@@ -63,6 +63,10 @@ TEST(PointRefusals, QueriesWithoutAnAnswer) {
           std::vector<Neighbor<float>> short_out(600 * 7 - 1);
           expect_refused([&] { tree.nearest(points, 7, short_out, 1); },
                          "out holds 4199 answers; it must hold 4200");
+          // A number of answers that wraps around to 0 or to little.
+          for (const std::size_t k : {std::size_t{1} << 63, (std::size_t{1} << 63) + 1})
+            expect_refused([&] { tree.nearest(std::span(points).first(2), k, short_out, 1); },
+                           "out holds 4199 answers; it must hold 922337203685477580");
           if (n > 0)
             expect_refused([&] { tree.nearest(q, 7, std::span(out).first(6)); }, "out holds 6 answers");
           expect_refused([&] { tree.slice(3, 0.5); }, "slice axis is 3");
