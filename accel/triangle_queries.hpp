@@ -31,13 +31,13 @@ class TriangleQueries {
   template <WorkCounter W>
   Hit<Scalar> closest_hit(const Ray& ray, W& work) const {
     check(ray, {});
-    return cast<false>(ray, work).hit();
+    return answer<false>(ray, work);
   }
   void closest_hit(std::span<const Ray> rays, std::span<Hit<Scalar>> hits, int threads) const {
     check(rays, hits.size());
     parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
       NoWork work;
-      for (std::size_t i = begin; i < end; ++i) hits[i] = cast<false>(rays[i], work).hit();
+      for (std::size_t i = begin; i < end; ++i) hits[i] = answer<false>(rays[i], work);
     });
   }
 
@@ -48,13 +48,13 @@ class TriangleQueries {
   template <WorkCounter W>
   bool any_hit(const Ray& ray, W& work) const {
     check(ray, {});
-    return static_cast<bool>(cast<true>(ray, work).hit());
+    return static_cast<bool>(answer<true>(ray, work));
   }
   void any_hit(std::span<const Ray> rays, std::span<std::uint8_t> any, int threads) const {
     check(rays, any.size());
     parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
       NoWork work;
-      for (std::size_t i = begin; i < end; ++i) any[i] = cast<true>(rays[i], work).hit() ? 1 : 0;
+      for (std::size_t i = begin; i < end; ++i) any[i] = answer<true>(rays[i], work) ? 1 : 0;
     });
   }
 
@@ -66,7 +66,7 @@ class TriangleQueries {
   ClosestPoint<Scalar> closest_point(const Point& query, Scalar max_distance, W& work) const {
     check(max_distance);
     check(query, {});
-    return nearest(query, max_distance, work);
+    return answer(query, max_distance, work);
   }
   void closest_point(std::span<const Point> queries, Scalar max_distance, std::span<ClosestPoint<Scalar>> out,
                      int threads) const {
@@ -74,7 +74,7 @@ class TriangleQueries {
     check(queries, out.size());
     parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
       NoWork work;
-      for (std::size_t i = begin; i < end; ++i) out[i] = nearest(queries[i], max_distance, work);
+      for (std::size_t i = begin; i < end; ++i) out[i] = answer(queries[i], max_distance, work);
     });
   }
 
@@ -94,15 +94,16 @@ class TriangleQueries {
   std::size_t bytes() const { return stats_.bytes; }
   TreeStats stats() const { return stats_; }
   /// Encloses all triangles; empty if there are none.
-  const Box& bounds() const { return bounds_; }
+  Box bounds() const { return scale_.unscaled(bounds_); }
 
  protected:
-  explicit TriangleQueries(const TriangleSet<Scalar>& set) : bounds_(set.bounds) {
+  explicit TriangleQueries(const TriangleSet<Scalar>& set) : bounds_(set.bounds), scale_(set.scale) {
     stats_.primitives = set.items.size();
     stats_.dropped = set.dropped;
   }
 
-  Box bounds_;
+  Box bounds_;  // like everything that a tree keeps: scaled
+  TriangleScale<Scalar> scale_;
   TreeStats stats_;
 
  private:
@@ -110,6 +111,29 @@ class TriangleQueries {
 
   const Tree& tree() const { return static_cast<const Tree&>(*this); }
 
+  // Queries and answers in the user's units.
+  template <bool any, class W>
+  Hit<Scalar> answer(const Ray& ray, W& work) const {
+    int shift;
+    const Ray scaled = scale_.scaled(ray, shift);
+    Hit<Scalar> hit = cast<any>(scaled, work).hit();
+    if (shift != 0 && hit) hit.t = scale_.unscaled_t(hit.t, shift, ray);
+    return hit;
+  }
+  template <class W>
+  ClosestPoint<Scalar> answer(const Point& point, Scalar max_distance, W& work) const {
+    if (!scale_.scales()) return nearest(point, max_distance, work);
+    const bool is_near = scale_.is_near(point);
+    auto best =
+        nearest(scale_.scaled_query(point), is_near ? max_distance * scale_.factor() : infinity, work);
+    if (!best) return best;
+    best.point = scale_.unscaled(best.point);
+    best.distance2 = is_near ? scale_.unscaled_square(best.distance2) : distance2(point, best.point);
+    if (!is_near && !(best.distance2 <= max_distance * max_distance)) return {};
+    return best;
+  }
+
+  // The same in the tree's units.
   template <bool any, class W>
   RayQuery<Primitives> cast(const Ray& ray, W& work) const {
     RayQuery<Primitives> query(ray, bounds_);
@@ -122,7 +146,8 @@ class TriangleQueries {
     if (size() > 0) tree().approach(query, work);
     return query.best();
   }
-  bool inside(const Point& point) const {
+  bool inside(const Point& given) const {
+    const Point point = scale_.scaled(given);
     if (!bounds_.contains(point)) return false;
     NoWork work;
     Scalar largest = 0;

@@ -1,4 +1,5 @@
-// What every tree over triangles is built from: the finite triangles of the input with their ids.
+// What every tree over triangles is built from: the finite triangles of the input with their ids, scaled (see
+// triangle_scale.hpp) where their size asks for it.
 #pragma once
 
 #include <span>
@@ -6,6 +7,7 @@
 #include <vector>
 
 #include "accel/concepts.hpp"
+#include "accel/triangle_scale.hpp"
 #include "geometry/mesh.hpp"
 
 namespace treeline::accel {
@@ -20,7 +22,8 @@ struct StoredTriangle {
 template <class T>
 struct TriangleSet {
   std::vector<StoredTriangle<T>> items;
-  geometry::Box<T, 3> bounds;
+  geometry::Box<T, 3> bounds;  // of the scaled triangles
+  TriangleScale<T> scale;
   std::size_t dropped = 0;
 
   TriangleSet(std::span<const geometry::Triangle<T>> triangles, const BuildOptions& options) {
@@ -47,13 +50,36 @@ struct TriangleSet {
       const geometry::Triangle<T> triangle = get(i);
       if (is_finite(triangle)) {
         items.push_back({triangle, static_cast<Id>(i)});
-        bounds.grow(triangle.box());
       } else if (options.non_finite == NonFinite::refuse) {
         throw InvalidInput("triangle " + std::to_string(i) + " has a coordinate that is not finite");
       } else {
         ++dropped;
       }
     }
+    choose_scale();
+    for (auto& item : items) {
+      geometry::Triangle<T>& t = item.triangle;
+      if (scale.scales()) t = {scale.scaled(t.a), scale.scaled(t.b), scale.scaled(t.c)};
+      bounds.grow(t.box());
+    }
+  }
+
+  /// By the median over a sample, so that no outlier decides; corners at the origin do not count.
+  void choose_scale() {
+    std::vector<T> sample;
+    const std::size_t step = items.size() / 1024 + 1;
+    T largest = 0;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      T magnitude = 0;
+      for (const auto& corner : {items[i].triangle.a, items[i].triangle.b, items[i].triangle.c})
+        for (int k = 0; k < 3; ++k) magnitude = std::max(magnitude, std::abs(corner[k]));
+      largest = std::max(largest, magnitude);
+      if (magnitude > T(0) && i % step == 0) sample.push_back(magnitude);
+    }
+    if (sample.empty()) sample.push_back(largest);
+    const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
+    std::nth_element(sample.begin(), middle, sample.end());
+    scale = TriangleScale<T>(*middle, largest);
   }
 };
 

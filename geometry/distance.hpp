@@ -26,16 +26,35 @@ struct ClosestOnTriangle {
   T distance2 = std::numeric_limits<T>::infinity();
 };
 
+namespace detail {
+/// The powers of two between which a squared area (a length to the fourth) keeps all its digits, and so do
+/// the squares of the edges.
+template <class T>
+inline constexpr T smallest_area2 = std::numeric_limits<T>::digits < 30 ? T(0x1p-80) : T(0x1p-640);
+template <class T>
+inline constexpr T largest_area2 = T(1) / smallest_area2<T>;
+
+template <class T>
+ClosestOnTriangle<T> closest_on_extreme_triangle(const Vec<T, 3>& p, const Triangle<T>& triangle);
+}  // namespace detail
+
 /// The point of a triangle nearest to p.
 /// Method: the nearest of four candidates, one on each edge and, where the triangle has an area and p
 /// projects into it, one on the face. Every candidate is a point of the triangle, so that the answer stays an
-/// upper bound whatever rounding does, and needles, segments and single points need no case of their own.
+/// upper bound whatever rounding does, and needles, segments and single points need no case of their own. A
+/// triangle whose squared area could over- or underflow is looked at scaled by a power of two.
 /// Cost: about 90 operations and 4 divisions (Ericson 2005, section 5.1.5, skips some of them but loses
-/// slivers).
-template <class T>
+/// slivers); twice that for a triangle of no area.
+template <class T, bool extreme = false>
 ClosestOnTriangle<T> closest_point_on_triangle(const Vec<T, 3>& p, const Triangle<T>& triangle) {
+  const Vec<T, 3> ab = triangle.b - triangle.a, ac = triangle.c - triangle.a, normal = cross(ab, ac);
+  const T area2 = length2(normal);
+  if constexpr (!extreme)
+    if (!(area2 >= detail::smallest_area2<T> && area2 <= detail::largest_area2<T>)) [[unlikely]]
+      return detail::closest_on_extreme_triangle(p, triangle);
+
   const Box<T, 3> box = triangle.box();
-  ClosestOnTriangle<T> best;
+  ClosestOnTriangle<T> best{triangle.a, 4};
   const auto offer = [&](const Vec<T, 3>& point, int feature) {
     const Vec<T, 3> q = min(max(point, box.low), box.high);
     const T d2 = distance2(p, q);
@@ -53,14 +72,36 @@ ClosestOnTriangle<T> closest_point_on_triangle(const Vec<T, 3>& p, const Triangl
   offer_edge(triangle.b, triangle.c, 2, 5, 6);
   offer_edge(triangle.c, triangle.a, 3, 6, 4);
 
-  const Vec<T, 3> ab = triangle.b - triangle.a, ac = triangle.c - triangle.a, ap = p - triangle.a;
-  const Vec<T, 3> normal = cross(ab, ac);
-  const T area2 = length2(normal);
+  const Vec<T, 3> ap = p - triangle.a;
   if (area2 > T(0)) {
     const T v = dot(cross(ap, ac), normal) / area2, w = dot(cross(ab, ap), normal) / area2;
     if (v > T(0) && w > T(0) && v + w < T(1)) offer(triangle.a + (ab * v + ac * w), 0);
   }
   return best;
 }
+
+namespace detail {
+template <class T>
+ClosestOnTriangle<T> closest_on_extreme_triangle(const Vec<T, 3>& p, const Triangle<T>& triangle) {
+  const Box<T, 3> box = triangle.box();
+  T edge = 0, reach = 0;  // in halves: nothing overflows
+  for (int k = 0; k < 3; ++k) {
+    edge = std::max(edge, box.high[k] / 2 - box.low[k] / 2);
+    reach = std::max({reach, std::abs(p[k] / 2), std::abs(box.low[k] / 2), std::abs(box.high[k] / 2)});
+  }
+  if (!(edge > T(0))) return closest_point_on_triangle<T, true>(p, triangle);
+  // Edges of about 1; from so far that offsets could overflow, less.
+  constexpr int farthest = std::numeric_limits<T>::max_exponent / 2 - 8;
+  const int shift = std::min(-std::ilogb(edge), farthest - std::ilogb(reach));
+  const auto scaled = [](const Vec<T, 3>& v, int exponent) {
+    return Vec<T, 3>{std::ldexp(v[0], exponent), std::ldexp(v[1], exponent), std::ldexp(v[2], exponent)};
+  };
+  auto best = closest_point_on_triangle<T, true>(
+      scaled(p, shift), {scaled(triangle.a, shift), scaled(triangle.b, shift), scaled(triangle.c, shift)});
+  best.point = min(max(scaled(best.point, -shift), box.low), box.high);
+  best.distance2 = distance2(p, best.point);
+  return best;
+}
+}  // namespace detail
 
 }  // namespace treeline::geometry

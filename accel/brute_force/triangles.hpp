@@ -25,9 +25,11 @@ class BruteForce<Triangles<T, RayTest>>
 
   /// One cell: the box of all triangles.
   std::vector<SliceCell> slice(int axis, double offset) const {
+    offset *= static_cast<double>(this->scale_.factor());
     const SlicePlane<3> plane(axis, offset);
     if (!plane.cuts(this->bounds_)) return {};
-    return {{plane.outline(this->bounds_), 0, this->size()}};
+    return scaled({{plane.outline(this->bounds_), 0, this->size()}},
+                  static_cast<double>(this->scale_.inverse()));
   }
 
  private:

@@ -182,6 +182,7 @@ void BspTree<Triangles<T, RayTest>>::approach(ClosestQuery<T>& query, W& work) c
 
 template <class T, class RayTest>
 std::vector<SliceCell> BspTree<Triangles<T, RayTest>>::slice(int axis, double offset) const {
+  offset *= static_cast<double>(this->scale_.factor());
   const SlicePlane<3> plane(axis, offset);
   struct Open {
     std::uint32_t node;
@@ -208,7 +209,7 @@ std::vector<SliceCell> BspTree<Triangles<T, RayTest>>::slice(int axis, double of
     open.push_back({now.node + 1, clipped(now.outline, in_slice, level), now.depth + 1});
     open.push_back({node.link, clipped(now.outline, -in_slice, -level), now.depth + 1});
   }
-  return cells;
+  return scaled(std::move(cells), static_cast<double>(this->scale_.inverse()));
 }
 
 static_assert(TriangleIndex<BspTree<Triangles<float, geometry::Watertight>>>);

@@ -146,6 +146,7 @@ void Bvh<Triangles<T, RayTest>>::approach(ClosestQuery<T>& query, W& work) const
 
 template <class T, class RayTest>
 std::vector<SliceCell> Bvh<Triangles<T, RayTest>>::slice(int axis, double offset) const {
+  offset *= static_cast<double>(this->scale_.factor());
   const SlicePlane<3> plane(axis, offset);
   std::vector<SliceCell> cells;
   std::vector<std::pair<Child, std::size_t>> open;
@@ -160,7 +161,7 @@ std::vector<SliceCell> Bvh<Triangles<T, RayTest>>::slice(int axis, double offset
       for (const Child& c : nodes_[child.first].child) open.push_back({c, depth + 1});
     }
   }
-  return cells;
+  return scaled(std::move(cells), static_cast<double>(this->scale_.inverse()));
 }
 
 static_assert(TriangleIndex<Bvh<Triangles<float, geometry::Watertight>>>);

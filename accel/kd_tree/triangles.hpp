@@ -150,6 +150,7 @@ void KdTree<Triangles<T, RayTest>>::approach(ClosestQuery<T>& query, W& work) co
 
 template <class T, class RayTest>
 std::vector<SliceCell> KdTree<Triangles<T, RayTest>>::slice(int axis, double offset) const {
+  offset *= static_cast<double>(this->scale_.factor());
   const SlicePlane<3> plane(axis, offset);
   struct Open {
     std::uint32_t node;
@@ -173,7 +174,7 @@ std::vector<SliceCell> KdTree<Triangles<T, RayTest>>::slice(int axis, double off
     below.cell.high[k] = above.cell.low[k] = node.offset;
     open.push_back(below), open.push_back(above);
   }
-  return cells;
+  return scaled(std::move(cells), static_cast<double>(this->scale_.inverse()));
 }
 
 static_assert(TriangleIndex<KdTree<Triangles<float, geometry::Watertight>>>);

@@ -1,0 +1,95 @@
+// Meshes far larger or smaller than 1 are kept scaled by a power of two, and queries and answers with them.
+//
+// Problem: products of three and four lengths (determinants, squared areas) leave the range of T long before
+// lengths do: for float, beyond about 1e10 and below 1e-12. Method: where the typical coordinate lies outside
+// 2^±(max_exponent / 6), all are multiplied by the power of two that makes it about 1, which is exact but for
+// coordinates that vanish beside the typical one. Rays keep their t, as their directions are scaled by as
+// much; a direction that would then be (or is) extreme takes a power of two of its own, and t with it. Cost
+// where nothing is scaled: two comparisons per ray. Known weakness: of a mesh with parts of very different
+// size only the typical ones are certain.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "geometry/box.hpp"
+#include "geometry/ray.hpp"
+
+namespace treeline::accel {
+
+template <class T>
+class TriangleScale {
+ public:
+  using Point = geometry::Vec<T, 3>;
+  using Box = geometry::Box<T, 3>;
+  using Ray = geometry::Ray<T>;
+
+  TriangleScale() = default;
+  /// For triangles whose corners' largest coordinates are typically and at most as given.
+  TriangleScale(T typical, T largest) {
+    if (!(typical > T(0))) return;
+    const int exponent = std::ilogb(typical);
+    if (std::abs(exponent) <= comfortable) return;
+    // 2^exponent_ and its inverse are normal, and no coordinate comes near overflow.
+    exponent_ = std::clamp(-exponent, 2 - Limits::max_exponent, Limits::max_exponent - 2);
+    exponent_ = std::min(exponent_, Limits::max_exponent / 2 - std::ilogb(largest));
+    factor_ = std::ldexp(T(1), exponent_), inverse_ = std::ldexp(T(1), -exponent_);
+  }
+
+  bool scales() const { return exponent_ != 0; }
+  T factor() const { return factor_; }
+  T inverse() const { return inverse_; }
+
+  /// Held finite; is_near() tells whether it had to be.
+  Point scaled(const Point& p) const { return held(p, std::numeric_limits<T>::max()); }
+  Point unscaled(const Point& p) const { return p * inverse_; }
+  Box unscaled(const Box& box) const { return {box.low * inverse_, box.high * inverse_}; }
+  T unscaled_square(T distance2) const { return distance2 * inverse_ * inverse_; }
+
+  /// Held where its squared distance from the mesh is finite.
+  Point scaled_query(const Point& p) const {
+    return scales() ? held(p, std::ldexp(T(1), Limits::max_exponent / 2 - 4)) : p;
+  }
+  /// Whether scaled_query() did not have to move it.
+  bool is_near(const Point& p) const { return !scales() || scaled_query(p) == p * factor_; }
+
+  /// The scaled ray; its t is the given ray's times 2^shift.
+  Ray scaled(const Ray& ray, int& shift) const {
+    constexpr T slow = T(1) / T(std::uint64_t{1} << 31), fast = T(std::uint64_t{1} << 31);
+    const T speed = std::abs(ray.direction[largest_axis(ray.direction)]);
+    shift = 0;
+    if (!scales() && slow <= speed && speed <= fast) return ray;
+    const int exponent = std::ilogb(speed);
+    Ray r{scaled(ray.origin), ray.direction, ray.t_min, ray.t_max};
+    if (std::abs(exponent + exponent_) <= 31) {
+      r.direction = ray.direction * factor_;
+      return r;
+    }
+    shift = exponent + exponent_;
+    for (int k = 0; k < 3; ++k) r.direction[k] = std::ldexp(ray.direction[k], -exponent);
+    // A t beyond the range of T is no hit.
+    r.t_min = std::ldexp(std::max(ray.t_min, Limits::lowest()), shift);
+    r.t_max = std::ldexp(std::min(ray.t_max, Limits::max()), shift);
+    return r;
+  }
+  static T unscaled_t(T t, int shift, const Ray& ray) {
+    return std::clamp(std::ldexp(t, -shift), ray.t_min, ray.t_max);
+  }
+
+ private:
+  using Limits = std::numeric_limits<T>;
+  static constexpr int comfortable = Limits::max_exponent / 6;
+
+  Point held(const Point& p, T limit) const {
+    Point r;
+    for (int k = 0; k < 3; ++k) r[k] = std::clamp(p[k] * factor_, -limit, limit);
+    return r;
+  }
+
+  int exponent_ = 0;
+  T factor_ = 1, inverse_ = 1;
+};
+
+}  // namespace treeline::accel
