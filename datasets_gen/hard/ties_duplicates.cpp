@@ -31,11 +31,11 @@ std::vector<HardCase> ties_duplicates() {
   }
   {
     HardCase& c =
-        add("equal_points_1e4",
+        add("equal_points_1e5",
             "measured: CGAL 5.5 Kd_tree and pico_tree overflow the stack on 1e5 equal points; CGAL #3077",
             "all k neighbours are at the one distance there is");
-    c.cloud.points.assign(10'000, {0.25f, 0.5f, 0.75f});
-    c.queries = random_points(11, 50);
+    c.cloud.points.assign(100'000, {0.25f, 0.5f, 0.75f});
+    c.queries = random_points(11, 49);
     c.queries.push_back(c.cloud.points[0]);
   }
   {
