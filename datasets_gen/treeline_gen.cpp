@@ -26,7 +26,11 @@ int main(int argc, char** argv) {
   app.add_option("recipe", recipe, "which one; see --list");
   app.add_option("file", file, "where to; the extension tells the format");
   app.add_option("--n", n, "points of a cloud or triangles of a mesh, 1e3 to 1e7")->capture_default_str();
-  app.add_option("--seed", seed, "the same seed gives the same bits on every machine")->capture_default_str();
+  app.add_option("--seed", seed, "the same seed gives the same bits on every machine")
+      ->capture_default_str()
+      ->check([](const std::string& text) {  // which would wrap
+        return std::string(text.find('-') != std::string::npos ? "must not be negative" : "");
+      });
   app.add_flag("--list", list_only, "list the recipes");
   app.add_flag("--force", force, "replace an existing file");
   try {

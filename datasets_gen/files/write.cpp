@@ -1,9 +1,13 @@
 #include "datasets_gen/files/write.hpp"
 
 #include <bit>
+#include <cctype>
+#include <cerrno>
 #include <charconv>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <random>
 
 namespace treeline::datasets {
 namespace {
@@ -81,10 +85,26 @@ void write_xyz(const Dataset& d, Sink& to) {
   for (const auto& p : d.cloud.points) to.line("", p);
 }
 
+/// Makes an empty file beside `path`, under a name that nothing had.
+std::filesystem::path make_part(const std::filesystem::path& path) {
+  std::random_device random;
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    std::filesystem::path part = path;
+    part += std::string(".").append(std::to_string(random())).append(".part");
+    if (std::FILE* file = std::fopen(part.c_str(), "wx")) {  // x: fails where the name is taken
+      std::fclose(file);
+      return part;
+    }
+    if (errno != EEXIST) break;
+  }
+  throw FileError(path, "", "cannot be opened for writing");
+}
+
 }  // namespace
 
 void write(const Dataset& dataset, const std::filesystem::path& path, bool overwrite) {
-  const std::string extension = path.extension().string();
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const bool cloud = dataset.kind == Kind::cloud;
   void (*writer)(const Dataset&, Sink&) = nullptr;
   if (extension == ".ply") writer = write_ply;
@@ -104,8 +124,7 @@ void write(const Dataset& dataset, const std::filesystem::path& path, bool overw
   std::error_code error;
   if (!overwrite && std::filesystem::exists(path, error)) throw FileError(path, "", "exists already");
   // Under another name until it is complete.
-  std::filesystem::path part = path;
-  part += ".part";
+  const std::filesystem::path part = make_part(path);
   std::ofstream stream(part, std::ios::binary | std::ios::trunc);
   if (!stream) throw FileError(path, "", "cannot be opened for writing");
   {
