@@ -55,6 +55,31 @@ std::uint64_t at_or(const Json& object, const char* key, std::uint64_t otherwise
   return it != object.end() && it->is_number_unsigned() ? it->get<std::uint64_t>() : otherwise;
 }
 
+/// Buffers in other files must lie in the folder of this one, or below it.
+void check_buffer_files(const Input& in, const Json& root) {
+  const auto buffers = root.find("buffers");
+  if (buffers == root.end() || !buffers->is_array()) return;
+  for (std::size_t i = 0; i < buffers->size(); ++i) {
+    const std::string uri = (*buffers)[i].value("uri", "");
+    if (uri.starts_with("data:")) continue;
+    std::string name;
+    for (std::size_t k = 0; k < uri.size(); ++k) {
+      unsigned char code = 0;
+      const char* digits = uri.data() + k + 1;
+      if (uri[k] == '%' && k + 2 < uri.size() &&
+          std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2)
+        name += static_cast<char>(code), k += 2;
+      else
+        name += uri[k] == '\\' ? '/' : uri[k];
+    }
+    std::ranges::replace(name, '\\', '/');
+    const auto path = std::filesystem::path(name).lexically_normal();
+    const bool drive_or_scheme = name.substr(0, name.find('/')).find(':') != std::string::npos;
+    if (path.is_absolute() || drive_or_scheme || (!path.empty() && *path.begin() == ".."))
+      in.fail("buffer " + std::to_string(i), "is kept outside the folder of the file: " + in_quotes(uri));
+  }
+}
+
 void check_accessors(const Input& in, const Json& root) {
   const auto list = [&](const char* key) -> const Json& {
     static const Json none = Json::array();
@@ -131,7 +156,9 @@ void weld(Raw& r) {
 
 Raw read_assimp(const Input& in) {
   try {
-    check_accessors(in, Json::parse(json_of(in)));
+    const Json root = Json::parse(json_of(in));
+    check_buffer_files(in, root);
+    check_accessors(in, root);
   } catch (const Json::exception& e) {
     in.fail("", std::string("its JSON is broken: ") + e.what());
   }
