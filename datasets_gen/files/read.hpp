@@ -3,7 +3,8 @@
 //   .ply .obj .stl .off   meshes, through OpenMesh; a PLY without faces is a cloud
 //   .gltf .glb            meshes, through assimp; the scene's transforms are applied
 //   .pcd                  clouds, through PCL
-//   .xyz .txt .csv        clouds: x y z first on each line; commas, semicolons, spaces or tabs
+//   .xyz .txt .csv        clouds: x y z first on each line, or as a header names them; commas, semicolons or
+//   blanks
 //
 // Polygons become fans of triangles. Each format is checked here first, structure and counts against the size
 // of the file, because the libraries stop early, guess, or allocate what a header says; then what they read

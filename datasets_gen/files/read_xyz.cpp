@@ -1,5 +1,9 @@
 // Points as lines of text: x, y and z first, whatever else after them. Comments start with # or //. The first
 // line may name the columns; then x, y and z are taken from the columns of those names, in either case.
+//
+// The first line decides what separates the fields of the whole file: semicolons if it has any, else commas,
+// else blanks. Between semicolons or commas a field may be empty, so that a missing value never moves the
+// next one into its place; and every line has as many fields as the first.
 #include <algorithm>
 #include <cctype>
 #include <utility>
@@ -9,47 +13,100 @@
 namespace treeline::datasets::files {
 namespace {
 
-std::string lower(std::string_view word) {
-  std::string r(word);
-  for (char& c : r) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  r.erase(std::remove(r.begin(), r.end(), '"'), r.end());
-  return r;
+/// Without blanks around it, nor a pair of quotes around the rest.
+std::string_view bare(std::string_view word) {
+  const auto trim = [&] {
+    word.remove_prefix(std::min(word.find_first_not_of(blanks), word.size()));
+    word.remove_suffix(word.size() - (word.find_last_not_of(blanks) + 1));
+  };
+  trim();
+  if (word.size() > 1 && word.front() == '"' && word.back() == '"') {
+    word = word.substr(1, word.size() - 2);
+    trim();
+  }
+  return word;
+}
+
+/// Splits at each separator outside of quotes, keeping empty fields.
+void split_at(std::string_view line, char separator, std::vector<std::string_view>& words) {
+  words.clear();
+  bool quoted = false;
+  std::size_t start = 0;
+  for (std::size_t i = 0; i <= line.size(); ++i) {
+    if (i < line.size() && line[i] == '"') quoted = !quoted;
+    if (i < line.size() && (quoted || line[i] != separator)) continue;
+    words.push_back(bare(line.substr(start, i - start)));
+    start = i + 1;
+  }
+}
+
+bool is_axis(std::string_view word, std::size_t axis) {
+  return word.size() == 1 && std::tolower(static_cast<unsigned char>(word[0])) == char('x' + axis);
+}
+
+bool has_decimal_comma(std::string_view word) {
+  std::string pointed(word);
+  std::ranges::replace(pointed, ',', '.');
+  return word.find(',') != std::string_view::npos && number<double>(pointed);
 }
 
 }  // namespace
 
 Raw read_xyz(const Input& in) {
-  constexpr std::string_view separators = " \t\v\f,;";
   Raw r;
   std::array<std::size_t, 3> column{0, 1, 2};
-  std::size_t widest = 3;
+  std::size_t width = 0;  // fields of each line
+  char separator = ' ';
   Lines lines(in.bytes);
   std::string_view line;
   std::vector<std::string_view> w;
-  bool first = true;
   while (lines.next(line)) {
     const std::size_t at = lines.number();
-    split(line.substr(0, std::min(line.find('#'), line.find("//"))), separators, w);
-    if (w.empty()) continue;
-    if (std::exchange(first, false) && !number<double>(w[0])) {  // a header
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto it = std::ranges::find_if(
-            w, [&](auto word) { return lower(word) == std::string(1, char('x' + axis)); });
-        if (it == w.end())
-          in.fail_line(at, "neither a point nor a header with the columns x, y and z: " + in_quotes(line));
-        column[axis] = static_cast<std::size_t>(it - w.begin());
-      }
-      widest = std::ranges::max(column) + 1;
-      continue;
+    const std::string_view text = line.substr(0, std::min(line.find('#'), line.find("//")));
+    if (text.find_first_not_of(blanks) == std::string_view::npos) continue;
+    const bool first = width == 0;
+    if (first)
+      for (const char s : {',', ';'})
+        if (text.find(s) != std::string_view::npos) separator = s;
+    if (separator == ' ') {
+      split(text, blanks, w);
+      for (auto& word : w) word = bare(word);
+    } else {
+      split_at(text, separator, w);
     }
-    if (w.size() < widest)
+    if (first) {
+      width = w.size();
+      if (!number<double>(w[0])) {  // a header, or wrong
+        std::size_t named = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const auto it = std::ranges::find_if(w, [&](auto word) { return is_axis(word, axis); });
+          if (it != w.end()) column[axis] = static_cast<std::size_t>(it - w.begin()), ++named;
+        }
+        if (named == 3) continue;
+        if (!has_decimal_comma(w[0]) && !w[0].empty())
+          in.fail_line(at, "neither a point nor a header with the columns x, y and z: " + in_quotes(line));
+        column = {0, 1, 2};
+      }
+      if (width < 3) in.fail_line(at, "a point needs 3 values; here are " + std::to_string(width));
+    }
+    if (w.size() != width)
       in.fail_line(
-          at, "a point needs " + std::to_string(widest) + " values; here are " + std::to_string(w.size()));
+          at, "has " + std::to_string(w.size()) + " fields; the first line has " + std::to_string(width));
     geometry::Vec3d p;
     for (int axis = 0; axis < 3; ++axis) {
-      const std::string_view word = w[column[static_cast<std::size_t>(axis)]];
-      const auto value = number<double>(word);
-      if (!value) in.fail_line(at, in_quotes(word) + " is not a number");
+      const std::size_t c = column[static_cast<std::size_t>(axis)];
+      const auto value = number<double>(w[c]);
+      const auto fail = [&](const std::string& problem) {
+        in.fail_line(at, "field " + std::to_string(c + 1) + ", " + char('x' + axis) + ": " + problem);
+      };
+      if (w[c].empty()) fail("is empty");
+      if (has_decimal_comma(w[c]))
+        fail(in_quotes(w[c]) + " has a decimal comma; only decimal points are read");
+      if (!value)
+        fail(in_quotes(w[c]) + " is not a number" +
+             (separator == ',' && w[c].find_first_of(blanks) != std::string_view::npos
+                  ? "; commas separate the fields of this file, and decimal commas are not read"
+                  : ""));
       p[axis] = *value;
     }
     r.points.push_back(p);

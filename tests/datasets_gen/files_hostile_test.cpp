@@ -187,12 +187,12 @@ TEST_F(Hostile, Pcd) {
 }
 
 TEST_F(Hostile, Xyz) {
-  refused("a.xyz", "1 2 3\n4 5\n", "line 2", "needs 3 values");
+  refused("a.xyz", "1 2 3\n4 5\n", "line 2", "has 2 fields; the first line has 3");
   refused("b.xyz", "1 2 3\n4 5 six\n", "line 2", "'six'");
   refused("c.csv", "a,b,c\n1,2,3\n", "line 1", "header");
   refused("d.xyz", "# only a comment\n", "", "no points");
   refused("e.xyz", "1 2 1e39\n", "point 0", "range of float");
-  refused("f.csv", "t,x,y,z\n1,2,3,4\n1,2,3\n", "line 3", "needs 4 values");
+  refused("f.csv", "t,x,y,z\n1,2,3,4\n1,2,3\n", "line 3", "has 3 fields; the first line has 4");
   refused("g.xyz", "1 2 3\n1 2 3x\n", "line 2", "'3x'");
 }
 
@@ -240,6 +240,29 @@ TEST_F(Hostile, CutAndChangedFilesNeverCrash) {
     }
   }
   EXPECT_GT(refusals, 500u);
+}
+
+TEST_F(Hostile, FieldsOfTextClouds) {
+  refused("gap.csv", "x,y,z,i\n1,2,3,9\n4,,6,9\n", "line 3", "field 2, y: is empty");
+  refused("gap_no_header.csv", "1;2;3;9\n4;5;;9\n", "line 2", "field 3, z: is empty");
+  refused("gap_first.csv", ",2,3\n", "line 1", "field 1, x: is empty");
+  refused("gap_tabs.txt", "x\ty\tz\ti\n4\t\t6\t9\n", "line 2", "has 3 fields; the first line has 4");
+  refused("short.csv", "x,y,z,i\n1,2,3\n", "line 2", "has 3 fields; the first line has 4");
+  refused("long.xyz", "1 2 3\n1 2 3 4\n", "line 2", "has 4 fields; the first line has 3");
+  refused("mixed.csv", "1,2,3\n1;2;3\n", "line 2", "has 1 fields; the first line has 3");
+  refused("word.csv", "i,z,y,x\n1,2,red,3\n", "line 2", "field 3, y: 'red' is not a number");
+  refused("comma.csv", "1,5;2,5;3,5\n", "line 1", "decimal comma");
+  refused("comma_header.csv", "x;y;z\n1;2,5;3\n", "line 2", "field 2, y: '2,5' has a decimal comma");
+  refused("comma_quoted.csv", "\"1,5\",\"2,5\",\"3,5\"\n", "line 1", "decimal comma");
+  refused("comma_blanks.xyz", "1,5 2,5 3,5\n", "line 1", "decimal commas are not read");
+}
+
+TEST_F(Hostile, GltfBuffersOutsideItsFolder) {
+  for (const std::string uri : {"../../../etc/passwd", "/etc/passwd", "a/../../b.bin", "%2e%2e/b.bin",
+                                "..\\\\b.bin", "file:///etc/passwd", "C:/b.bin"})
+    refused("outside.gltf",
+            R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":12,"uri":")" + uri + R"("}]})", "buffer 0",
+            "outside the folder");
 }
 
 }  // namespace

@@ -35,6 +35,21 @@ TEST_F(RoundTrip, RefusesToOverwriteUnlessToldTo) {
   EXPECT_EQ(read(path).hash(), b.hash());
 }
 
+TEST_F(RoundTrip, LeavesFilesOfSimilarNamesAlone) {
+  const auto other = put("cloud.xyz.part", "mine");
+  write(generate("grid", 1000, 1), folder() / "cloud.xyz");
+  std::ifstream in(other);
+  std::string text;
+  EXPECT_TRUE(in >> text && text == "mine");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder()), {}), 2);
+}
+
+TEST_F(RoundTrip, TakesExtensionsInEitherCase) {
+  const Dataset made = generate("grid", 1000, 1);
+  write(made, folder() / "cloud.XYZ");
+  EXPECT_EQ(read(folder() / "cloud.XYZ").hash(), made.hash());
+}
+
 TEST_F(RoundTrip, LeavesNothingBehindWhereItCannotWrite) {
   const Dataset cloud = generate("grid", 1000, 1), mesh = generate("terrain", 1000, 1);
   EXPECT_THROW(write(cloud, folder() / "missing" / "a.ply"), FileError);
@@ -114,10 +129,12 @@ TEST_F(Reading, TakesTextClouds) {
   const std::vector<geometry::Vec3f> two{{1.5f, -2, 3e-5f}, {0, 0.25f, 1e10f}};
   const std::pair<const char*, const char*> files[] = {
       {"plain.xyz", "1.5 -2 3e-5\n0 .25 1e10\n"},
-      {"tabs.txt", "# comment\n\n1.5\t-2\t+3e-5\t99 red\r\n0 0.25 1E10 // end\n"},
+      {"tabs.txt", "# comment\n\n1.5\t-2\t+3e-5\t99 red\r\n0 0.25 1E10 7 blue // end\n"},
       {"comma.csv", "1.5, -2, 3e-5\n0,0.25,1e10"},
       {"semicolon.csv", "1.5;-2;3e-5;7\n0;0.25;1e10;8\n"},
       {"header.csv", "\"X\",\"Y\",\"Z\"\n1.5,-2,3e-5\n0,0.25,1e10\n"},
+      {"quoted.csv", "\"name\",\"x\",\"y\",\"z\"\n\"a,b\",\"1.5\",\"-2\",3e-5\n,0,0.25,1e10\n"},
+      {"empty_after.csv", "x;y;z;i\n1.5;-2;3e-5;\n0;0.25;1e10;8\n"},
       {"columns.csv", "id,z,time,x,y\n1,3e-5,9,1.5,-2\n2,1e10,9,0,0.25\n"}};
   for (const auto& [name, text] : files) EXPECT_EQ(read(put(name, text)).cloud.points, two) << name;
 }
