@@ -121,23 +121,47 @@ class PointQueries {
   template <class W>
   void find_nearest(const Point& q, std::span<Neighbor<T>> out, W& work) const {
     if (out.empty()) return;
+    const Point scaled = set_.scaled(q);
     const auto collect = [&](auto best) {
-      tree().visit_near(set_.scaled(q), best, work);
+      tree().visit_near(scaled, best, work);
       best.finish();
     };
     if (out.size() <= SortedBest<T>::largest_k)
       collect(SortedBest<T>(out));
     else
       collect(HeapBest<T>(out));
+    if (set_.vague(scaled, out.front().distance2, out.back().distance2)) [[unlikely]]
+      return rank_widely(q, out, work);
     if (set_.scale != T(1))
       for (auto& n : out) n.distance2 = set_.unscaled_square(n.distance2);
+  }
+  /// Those in `out` are the nearest as far as T can tell; among all that T finds as near, the k best.
+  template <class W>
+  void rank_widely(const Point& q, std::span<Neighbor<T>> out, W& work) const {
+    Candidates<T, D> near(set_.wide_scaled(q), std::max(out.back().distance2, set_.vague_square()));
+    tree().visit_near(set_.scaled(q), near, work);
+    const auto end = near.list.begin() + static_cast<std::ptrdiff_t>(out.size());
+    std::partial_sort(near.list.begin(), end, near.list.end());
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i] = {set_.unscaled_square(near.list[i].distance2), near.list[i].id};
   }
   template <class W>
   void append_within(const Point& q, T radius, std::vector<Neighbor<T>>& out, W& work) const {
     if (size() == 0) return;
     const std::size_t before = out.size();
     const T scaled_radius = radius * set_.scale;
-    WithinRadius<T> visitor(scaled_radius * scaled_radius, out);
+    const T limit = scaled_radius * scaled_radius;
+    if (limit < set_.vague_square() || (std::isinf(limit) && !std::isinf(radius))) [[unlikely]] {
+      using Wide = typename PointSet<T, D>::Wide;
+      const Wide wide_radius = static_cast<Wide>(radius) * static_cast<Wide>(set_.scale);
+      Candidates<T, D> near(set_.wide_scaled(q), std::max(limit, set_.vague_square()));
+      tree().visit_near(set_.scaled(q), near, work);
+      for (const auto& c : near.list)
+        if (c.distance2 <= wide_radius * wide_radius)
+          out.push_back({set_.unscaled_square(c.distance2), c.id});
+      return;
+    }
+    WithinRadius<T> visitor(limit, out);
     tree().visit_near(set_.scaled(q), visitor, work);
     if (set_.scale != T(1))
       for (std::size_t i = before; i < out.size(); ++i)

@@ -4,8 +4,10 @@
 //
 // Clouds so large or so small that squared distances would overflow or vanish are scaled by a power of two,
 // which is exact but for coordinates that underflow. The scale is that of a typical point, so that one far
-// outlier does not make the distances among all others vanish. What remains: distances that overflow the
-// scalar compare equal, so that their order falls back on ids.
+// outlier does not make the distances among all others vanish. Squares span only so much: where a query's
+// distances overflow or vanish nevertheless (from far away, or in a cloud of parts of very different size),
+// all points that T cannot tell apart are ranked in a wider type, see Candidates. What remains: coordinates
+// 2^180 times smaller than the largest (float; 2^1500 for double) may lose digits.
 #pragma once
 
 #include <algorithm>
@@ -74,6 +76,24 @@ T squared_distance(const geometry::Box<T, D>& box, const geometry::Vec<T, D>& q)
 template <class T>
 inline constexpr int query_exponent = std::numeric_limits<T>::max_exponent / 2 + 8;
 
+/// Squared distances below have lost digits to underflow.
+template <class T>
+inline constexpr int vague_exponent =
+    std::numeric_limits<T>::min_exponent + std::numeric_limits<T>::digits + 2;
+/// Points at such a distance that is not 0 differ on axes where both coordinates are below 2^this.
+template <class T>
+inline constexpr int small_exponent = vague_exponent<T> / 2 + std::numeric_limits<T>::digits + 1;
+
+/// Squares of all differences fit: for float exactly so, for double where long double is wider.
+template <class T>
+struct SquareType {
+  using Type = double;
+};
+template <>
+struct SquareType<double> {
+  using Type = long double;
+};
+
 template <class T, int D>
 struct PointEntry {
   geometry::Vec<T, D> point;
@@ -84,6 +104,39 @@ struct PointEntry {
 struct PointLeaf {
   std::uint32_t first, count;
   bool coincident;
+};
+
+/// A visitor that takes all points within a squared distance as T sees it, and measures them in a wider type.
+/// Every tree offers it the same points, so that answers do not depend on the tree.
+template <class T, int D>
+class Candidates {
+ public:
+  using Wide = typename SquareType<T>::Type;
+  struct Candidate {
+    Wide distance2;
+    Id id;
+    bool operator<(const Candidate& o) const {
+      return distance2 < o.distance2 || (distance2 == o.distance2 && id < o.id);
+    }
+  };
+  std::vector<Candidate> list;
+
+  /// The query in scaled coordinates, neither rounded nor held.
+  Candidates(const geometry::Vec<Wide, D>& query, T limit) : query_(query), limit_(limit) {}
+  T limit() const { return limit_; }
+  void offer(const PointEntry<T, D>& e, T distance2) {
+    if (!(distance2 <= limit_)) return;
+    Wide sum = 0;
+    for (int a = 0; a < D; ++a) {
+      const Wide d = static_cast<Wide>(e.point[a]) - query_[a];
+      sum += d * d;
+    }
+    list.push_back({sum, e.id});
+  }
+
+ private:
+  geometry::Vec<Wide, D> query_;
+  T limit_;
 };
 
 template <class T, int D>
@@ -97,6 +150,7 @@ struct PointSet {
   Box box;                                // of the entries
   T scale = 1, inverse_scale = 1;         // powers of two
   std::size_t dropped = 0;
+  bool has_small = false;  // a coordinate below 2^small_exponent that is not 0
 
   PointSet(std::span<const Point> points, const BuildOptions& options) {
     if (options.leaf_size < 1)
@@ -116,7 +170,11 @@ struct PointSet {
     }
     if (dropped > 0) entries.shrink_to_fit();
     choose_scale();
-    for (auto& e : entries) e.point = e.point * scale, box.grow(e.point);
+    const T small = std::ldexp(T(1), small_exponent<T>);
+    for (auto& e : entries) {
+      e.point = e.point * scale, box.grow(e.point);
+      for (int a = 0; a < D; ++a) has_small |= e.point[a] != T(0) && std::abs(e.point[a]) < small;
+    }
   }
 
   std::size_t bytes() const { return entries.capacity() * sizeof(PointEntry<T, D>); }
@@ -131,20 +189,49 @@ struct PointSet {
   }
   T unscaled_square(T distance2) const { return distance2 * inverse_scale * inverse_scale; }
 
+  using Wide = typename SquareType<T>::Type;
+  geometry::Vec<Wide, D> wide_scaled(const Point& q) const {
+    geometry::Vec<Wide, D> r;
+    for (int a = 0; a < D; ++a) r[a] = static_cast<Wide>(q[a]) * static_cast<Wide>(scale);
+    return r;
+  }
+  T unscaled_square(Wide distance2) const {
+    const Wide d = distance2 * static_cast<Wide>(inverse_scale) * static_cast<Wide>(inverse_scale);
+    return d <= static_cast<Wide>(std::numeric_limits<T>::max()) ? static_cast<T>(d)
+                                                                 : std::numeric_limits<T>::infinity();
+  }
+
+  /// Whether the squared distances of a query's nearest points say less than the points' coordinates do.
+  bool vague(const Point& scaled_query, T nearest2, T farthest2) const {
+    if (!(farthest2 <= std::numeric_limits<T>::max())) return true;
+    if (!has_small || nearest2 >= vague_square()) return false;
+    const T small = std::ldexp(T(1), small_exponent<T>);
+    for (int a = 0; a < D; ++a)
+      if (std::abs(scaled_query[a]) < small) return true;
+    return false;
+  }
+  static T vague_square() { return std::ldexp(T(1), vague_exponent<T>); }
+
   /// Offers the points of a leaf to a visitor; visitor.offer(distance², id) says whether it took the point.
   template <class Visitor, class W>
   void offer(const PointLeaf& leaf, const Point& q, Visitor& visitor, W& work) const {
     const PointEntry<T, D>* e = entries.data() + leaf.first;
     const PointEntry<T, D>* const end = e + leaf.count;
-    if (leaf.coincident) {
-      // Equal points are taken in order of id until one is too far or too late: the rest are, too.
-      const T distance2 = squared_distance(e->point, q);
-      do work.primitive();
-      while (visitor.offer(distance2, e->id) && ++e != end);
+    if constexpr (requires { visitor.offer(*e, T(0)); }) {
+      work.primitive(leaf.count);
+      for (; e != end; ++e) visitor.offer(*e, squared_distance(e->point, q));
       return;
+    } else {
+      if (leaf.coincident) {
+        // Equal points are taken in order of id until one is too far or too late: the rest are, too.
+        const T distance2 = squared_distance(e->point, q);
+        do work.primitive();
+        while (visitor.offer(distance2, e->id) && ++e != end);
+        return;
+      }
+      work.primitive(leaf.count);
+      for (; e != end; ++e) visitor.offer(squared_distance(e->point, q), e->id);
     }
-    work.primitive(leaf.count);
-    for (; e != end; ++e) visitor.offer(squared_distance(e->point, q), e->id);
   }
 
  private:
@@ -152,30 +239,44 @@ struct PointSet {
     using Limits = std::numeric_limits<T>;
     constexpr int high = Limits::max_exponent / 2 - Limits::digits;  // queries may lie 2^digits times farther
     constexpr int low = Limits::min_exponent / 2 + 2 * Limits::digits;  // gaps may be 2^-2digits of the whole
-    const auto [typical, largest] = magnitudes();
+    const auto [typical, largest, smallest] = magnitudes();
     if (largest == 0) return;
     const int exponent = std::ilogb(typical), highest = std::ilogb(largest);
-    int shift = exponent < low || exponent > high ? std::clamp(-exponent, 8 - Limits::max_exponent, high) : 0;
+    int shift = 0;
+    if (exponent < low || exponent > high) {
+      shift = std::clamp(-exponent, 8 - Limits::max_exponent, Limits::max_exponent - 2);  // both ways normal
+      // Small coordinates keep their digits as far as typical squares stay finite.
+      const int least = Limits::min_exponent - 1 - std::ilogb(smallest);
+      if (shift < 0)
+        shift = std::min(std::max(shift, least), std::max(shift, Limits::max_exponent / 2 - 4 - exponent));
+    }
     shift = std::min(shift, query_exponent<T> - 1 - highest);  // outliers, too, must be told from infinity
     scale = std::ldexp(T(1), shift), inverse_scale = std::ldexp(T(1), -shift);
   }
 
-  /// Median over a sample, and maximum over all, of the points' largest coordinates; points at the origin do
-  /// not count.
-  std::pair<T, T> magnitudes() const {
+  struct Magnitudes {
+    T typical, largest, smallest;
+  };
+  /// Median over a sample, and maximum over all, of the points' largest coordinates; and the smallest
+  /// coordinate. Zeros do not count.
+  Magnitudes magnitudes() const {
     std::vector<T> sample;
     const std::size_t step = entries.size() / 1024 + 1;
-    T largest = 0;
+    T largest = 0, smallest = std::numeric_limits<T>::max();
     for (std::size_t i = 0; i < entries.size(); ++i) {
       T magnitude = 0;
-      for (int a = 0; a < D; ++a) magnitude = std::max(magnitude, std::abs(entries[i].point[a]));
+      for (int a = 0; a < D; ++a) {
+        const T x = std::abs(entries[i].point[a]);
+        magnitude = std::max(magnitude, x);
+        if (x > 0) smallest = std::min(smallest, x);
+      }
       largest = std::max(largest, magnitude);
       if (magnitude > 0 && i % step == 0) sample.push_back(magnitude);
     }
-    if (sample.empty()) return {largest, largest};
+    if (sample.empty()) return {largest, largest, smallest};
     const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
     std::nth_element(sample.begin(), middle, sample.end());
-    return {*middle, largest};
+    return {*middle, largest, smallest};
   }
 };
 

@@ -128,6 +128,12 @@ std::vector<NamedCloud<T, D>> clouds() {
          [](Point p, std::size_t i) { return p * std::ldexp(T(1), -static_cast<int>(i % 50)); });
   mapped("tiny", [](Point p, std::size_t) { return p * (sizeof(T) == 4 ? T(1e-22) : T(1e-160)); });
   mapped("huge", [](Point p, std::size_t) { return p * (sizeof(T) == 4 ? T(3e38) : T(1e308)); });
+  mapped("below squares", [](Point p, std::size_t) { return p * (sizeof(T) == 4 ? T(1e-32) : T(1e-290)); });
+  mapped("barely normal", [](Point p, std::size_t) { return p * (sizeof(T) == 4 ? T(1e-35) : T(1e-303)); });
+  mapped("small among huge",
+         [](Point p, std::size_t i) { return i % 5 == 0 ? p : p * (sizeof(T) == 4 ? T(1e30) : T(1e240)); });
+  mapped("a tiny cluster",
+         [](Point p, std::size_t i) { return i % 5 == 0 ? p * (sizeof(T) == 4 ? T(1e-25) : T(1e-200)) : p; });
   mapped("one far away", [](Point p, std::size_t i) { return i == 700 ? Point::filled(T(1e6)) : p; });
   all.push_back({"grid", grid_cloud<T, D>(D == 2 ? 35 : 11)});
   return all;
