@@ -14,8 +14,8 @@ namespace {
 
 class RaySubject final : public Subject {
  public:
-  RaySubject(std::unique_ptr<Index> index, const std::vector<RaySet>& sets, Knobs build_knobs)
-      : build_knobs(std::move(build_knobs)), index_(std::move(index)), sets_(sets) {}
+  RaySubject(std::unique_ptr<Index> index, const std::vector<RaySet>& sets)
+      : index_(std::move(index)), sets_(sets) {}
 
   void run(std::size_t set, const Knobs& knobs, int threads) override {
     const auto& rays = sets_[set].rays;
@@ -31,7 +31,6 @@ class RaySubject final : public Subject {
     return index_->work(sets_[set].rays, sets_[set].any);
   }
 
-  Knobs build_knobs;
   std::vector<RayAnswer> hits;
   std::vector<std::uint8_t> blocked;
 
@@ -64,11 +63,6 @@ constexpr double float_answer = 2 * geometry::tolerance::unit_roundoff<float>;
 
 }  // namespace
 
-Claim claim_of(const MethodInfo& info, const Knobs& build_knobs) {
-  const bool fast = build_knobs.contains("test") && build_knobs.at("test") == "moller_trumbore";
-  return fast ? Claim::approximate : info.claim;
-}
-
 RayBlock::RayBlock(BlockInput input, const std::vector<Method>& methods)
     : input_(std::move(input)), methods_(methods), truths_(input_.sets.size()) {
   for (const RaySet& set : input_.sets) {
@@ -79,8 +73,7 @@ RayBlock::RayBlock(BlockInput input, const std::vector<Method>& methods)
 }
 
 std::unique_ptr<Subject> RayBlock::build(std::size_t m, const Knobs& build_knobs, int threads) {
-  return std::make_unique<RaySubject>(methods_[m].build(input_.mesh, build_knobs, threads), input_.sets,
-                                      build_knobs);
+  return std::make_unique<RaySubject>(methods_[m].build(input_.mesh, build_knobs, threads), input_.sets);
 }
 
 const RayBlock::Truth& RayBlock::truth_of(std::size_t query_set) {
@@ -107,7 +100,7 @@ Errors RayBlock::check(std::size_t m, const Subject& subject, std::size_t query_
   const auto& answers = static_cast<const RaySubject&>(subject);
   const RaySet& set = input_.sets[query_set];
   const Truth& truth = truth_of(query_set);
-  const Claim claim = claim_of(methods_[m].info, answers.build_knobs);
+  const Claim claim = methods_[m].info.claim;
   Judge& judge = (claim == Claim::exact ? double_judges_ : float_judges_)[set.truth];
 
   std::size_t false_hits = 0, false_misses = 0, borderline = 0, wrong_primitive = 0, wrong_t = 0;
@@ -167,8 +160,7 @@ Errors RayBlock::check(std::size_t m, const Subject& subject, std::size_t query_
                   {"ray_borderline", borderline},
                   {"ray_wrong_primitive", wrong_primitive},
                   {"ray_wrong_t", wrong_t},
-                  {"ray_leaks", input_.from_inside ? Knobs(leaks) : Knobs(nullptr)},
-                  {"ray_claim", to_string(claim)}};
+                  {"ray_leaks", input_.from_inside ? Knobs(leaks) : Knobs(nullptr)}};
   return result;
 }
 

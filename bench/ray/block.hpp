@@ -51,9 +51,4 @@ class RayBlock final : public Block {
   std::vector<Judge> float_judges_, double_judges_;  // one a truth
 };
 
-/// The claim under which a build of a method is judged: a method that offers both ray tests claims to be
-/// bounded with the watertight one only. Möller and Trumbore 1997 compute a shared edge differently for its
-/// two triangles, so rays aimed at edges may slip through, and t cancels for triangles seen edge-on.
-Claim claim_of(const MethodInfo& info, const Knobs& build_knobs);
-
 }  // namespace treeline::bench::ray

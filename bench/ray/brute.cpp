@@ -1,4 +1,4 @@
-// Every triangle tried, by our own brute force: no tree at all, the lowest rung.
+// Every triangle tried, by our own brute force: no tree at all, the lowest rung. Methods brute, brute_fast.
 #include "accel/brute_force.hpp"
 
 #include "bench/ray/tree_index.hpp"
@@ -6,15 +6,8 @@
 namespace treeline::bench::ray {
 namespace {
 
-const bool registered = Registry<Method>::instance().add(
-    {.info = {.name = "brute",
-              .family = "brute",
-              .claim = Claim::bounded,  // with the watertight test; see claim_of()
-              .build_knobs = {Knobs{{"test", "watertight"}}, Knobs{{"test", "moller_trumbore"}}},
-              .stress_builds = {0, 1},  // both ray tests
-              .ladder = 0,
-              .largest_n = 20'000},
-     .build = build_tree<accel::BruteForce>});
+const bool registered =
+    register_tree<accel::BruteForce>({.name = "brute", .family = "brute", .ladder = 0, .largest_n = 20'000});
 
 }  // namespace
 }  // namespace treeline::bench::ray

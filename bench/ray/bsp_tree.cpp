@@ -1,4 +1,4 @@
-// Our BSP tree.
+// Our BSP tree. Methods bsp_tree, bsp_tree_fast.
 #include "accel/bsp_tree.hpp"
 
 #include "bench/ray/tree_index.hpp"
@@ -6,17 +6,13 @@
 namespace treeline::bench::ray {
 namespace {
 
-const bool registered = Registry<Method>::instance().add(
-    {.info = {.name = "bsp_tree",
-              .family = "bsp",
-              .claim = Claim::bounded,  // with the watertight test; see claim_of()
-              .build_knobs = tree_knobs({8}),
-              .stress_builds = {0, 1},  // both ray tests
-              .ladder = 30,
-              // At a million triangles one build takes five to ten seconds.
-              .sweep_up_to_n = 500'000,
-              .largest_n = 3'000'000},
-     .build = build_tree<accel::BspTree>});
+const bool registered = register_tree<accel::BspTree>(
+    {.name = "bsp_tree",
+     .family = "bsp",
+     .build_knobs = leaf_size_knobs({8}),
+     .ladder = 30,
+     .sweep_up_to_n = 500'000,  // at a million triangles one build takes five to ten seconds
+     .largest_n = 3'000'000});
 
 }  // namespace
 }  // namespace treeline::bench::ray

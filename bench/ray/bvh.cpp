@@ -1,4 +1,4 @@
-// Our bounding volume hierarchy.
+// Our bounding volume hierarchy. Methods bvh, bvh_fast.
 #include "accel/bvh.hpp"
 
 #include "bench/ray/tree_index.hpp"
@@ -6,14 +6,8 @@
 namespace treeline::bench::ray {
 namespace {
 
-const bool registered = Registry<Method>::instance().add(
-    {.info = {.name = "bvh",
-              .family = "bvh",
-              .claim = Claim::bounded,  // with the watertight test; see claim_of()
-              .build_knobs = tree_knobs({8, 2, 4}),
-              .stress_builds = {0, 3},  // both ray tests
-              .ladder = 10},
-     .build = build_tree<accel::Bvh>});
+const bool registered = register_tree<accel::Bvh>(
+    {.name = "bvh", .family = "bvh", .build_knobs = leaf_size_knobs({8, 2, 4}), .ladder = 10});
 
 }  // namespace
 }  // namespace treeline::bench::ray

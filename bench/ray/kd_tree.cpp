@@ -1,4 +1,4 @@
-// Our KD tree.
+// Our KD tree. Methods kd_tree, kd_tree_fast.
 #include "accel/kd_tree.hpp"
 
 #include "bench/ray/tree_index.hpp"
@@ -6,17 +6,13 @@
 namespace treeline::bench::ray {
 namespace {
 
-const bool registered = Registry<Method>::instance().add(
-    {.info = {.name = "kd_tree",
-              .family = "kd",
-              .claim = Claim::bounded,  // with the watertight test; see claim_of()
-              .build_knobs = tree_knobs({8, 4}),
-              .stress_builds = {0, 2},  // both ray tests
-              .ladder = 20,
-              // At a million triangles one build takes five to ten seconds.
-              .sweep_up_to_n = 500'000,
-              .largest_n = 3'000'000},
-     .build = build_tree<accel::KdTree>});
+const bool registered = register_tree<accel::KdTree>(
+    {.name = "kd_tree",
+     .family = "kd",
+     .build_knobs = leaf_size_knobs({8, 4}),
+     .ladder = 20,
+     .sweep_up_to_n = 500'000,  // at a million triangles one build takes five to ten seconds
+     .largest_n = 3'000'000});
 
 }  // namespace
 }  // namespace treeline::bench::ray

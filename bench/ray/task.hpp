@@ -13,7 +13,7 @@
 //   misses count 1; error_max and error_p99 of the same; bias is the mean signed relative error of t.
 //   Any-hit sets: the share of false answers. Fields of its own: ray_judged, ray_false_hits,
 //   ray_false_misses, ray_borderline, ray_wrong_primitive (ties apart), ray_wrong_t, ray_leaks (rays from
-//   inside a closed mesh that got out; null elsewhere), ray_claim (the claim that the build was judged by).
+//   inside a closed mesh that got out; null elsewhere).
 // Claims: exact: right up to the rounding of double, t rounded to float. bounded: right or borderline in
 // float, and
 //   no ray from inside a closed mesh gets out. approximate: may leak at edges and vertices, and t may slide
