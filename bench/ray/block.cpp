@@ -154,7 +154,11 @@ Errors RayBlock::check(std::size_t m, const Subject& subject, std::size_t query_
     // Answers are floats: below half an ulp of t there is nothing to tell methods apart by.
     if (!set.any) result.floor = geometry::tolerance::unit_roundoff<float>;
   }
+  const auto hit = std::ranges::count_if(truth.hits, [](const TrueHit& h) { return static_cast<bool>(h); });
   result.extra = {{"ray_judged", errors.size()},
+                  {"ray_hit_share", truth.hits.empty() ? Knobs(nullptr)
+                                                       : Knobs(static_cast<double>(hit) /
+                                                               static_cast<double>(truth.hits.size()))},
                   {"ray_false_hits", false_hits},
                   {"ray_false_misses", false_misses},
                   {"ray_borderline", borderline},

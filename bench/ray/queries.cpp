@@ -1,5 +1,7 @@
 #include "bench/ray/queries.hpp"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 
@@ -17,12 +19,39 @@ using geometry::Triangle3d;
 using geometry::Vec3d;
 using geometry::Vec3f;
 
-geometry::Box3d finite_box(const Mesh3f& mesh) {
-  geometry::Box3d box;
+bool has_area(const Triangle3d& t) {
+  return geometry::is_finite(t) && geometry::length2(t.area_normal()) > 0;
+}
+
+/// The box from the 1 % to the 99 % quantile of the triangles' corners, a hundredth wider: one stray triangle
+/// far away must not shrink the mesh to a dot.
+geometry::Box3d robust_box(const Mesh3f& mesh) {
+  std::array<std::vector<double>, 3> sorted;
   for (const auto& face : mesh.faces)
     for (const auto v : face)
-      if (geometry::is_finite(mesh.vertices[v])) box.grow(Vec3d(mesh.vertices[v]));
-  return box.empty() ? geometry::Box3d{{-1, -1, -1}, {1, 1, 1}} : box;
+      if (geometry::is_finite(mesh.vertices[v]))
+        for (int axis = 0; axis < 3; ++axis)
+          sorted[static_cast<std::size_t>(axis)].push_back(double(mesh.vertices[v][axis]));
+  const std::size_t n = sorted[0].size();
+  if (n == 0) return {{-1, -1, -1}, {1, 1, 1}};
+  geometry::Box3d box;
+  Vec3d low, high;
+  for (int axis = 0; axis < 3; ++axis) {
+    auto& x = sorted[static_cast<std::size_t>(axis)];
+    const auto at = [&](std::size_t rank) {
+      std::nth_element(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(rank), x.end());
+      return x[rank];
+    };
+    low[axis] = at(n / 100), high[axis] = at(n - 1 - n / 100);
+    const double margin = 0.01 * (high[axis] - low[axis]);
+    low[axis] -= margin, high[axis] += margin;
+  }
+  box.grow(low), box.grow(high);
+  return box;
+}
+
+double size_of(const Triangle3d& t) {
+  return std::max({geometry::length(t.b - t.a), geometry::length(t.c - t.b), geometry::length(t.a - t.c)});
 }
 
 /// Cells of a 2^k square along a Morton curve: neighbours in the order are neighbours in the picture.
@@ -33,6 +62,21 @@ std::pair<std::uint32_t, std::uint32_t> morton(std::uint64_t index) {
     return r;
   };
   return {even_bits(index), even_bits(index >> 1)};
+}
+
+/// Where along the Morton curve a ray is, by where the picture plane sees its direction.
+std::uint64_t picture_order(const Camera& camera, const Rayf& ray) {
+  const Vec3d d(ray.direction);
+  const double depth = std::max(geometry::dot(d, camera.forward), 1e-3);
+  const auto cell = [](double x) {
+    return static_cast<std::uint64_t>(std::clamp(0.5 + 0.5 * x, 0.0, 1.0) * 65535);
+  };
+  const std::uint64_t x = cell(geometry::dot(d, camera.right) / depth / camera.half_width),
+                      y = cell(-geometry::dot(d, camera.up) / depth / camera.half_height);
+  std::uint64_t order = 0;
+  for (int bit = 0; bit < 16; ++bit)
+    order |= ((x >> bit) & 1) << (2 * bit) | ((y >> bit) & 1) << (2 * bit + 1);
+  return order;
 }
 
 std::vector<Rayf> camera_rays(const Camera& camera, std::size_t count, std::uint64_t seed) {
@@ -49,53 +93,78 @@ std::vector<Rayf> camera_rays(const Camera& camera, std::size_t count, std::uint
   return rays;
 }
 
-/// A point of the surface and the unit normal on the side it is seen from.
-struct Seen {
-  Vec3d point, normal;
-};
+using Tree = accel::Bvh<accel::Triangles<float>>;
 
-/// What the camera sees, one point a ray; where a ray misses, along a ray aimed at a random triangle.
-std::vector<Seen> seen_by(const Mesh3f& mesh, const Camera& camera, std::span<const Rayf> rays,
-                          std::uint64_t seed, int threads) {
-  using Tree = accel::Bvh<accel::Triangles<float>>;
+Tree tree_over(const Mesh3f& mesh) {
   Tree::Options options;
   options.non_finite = accel::NonFinite::drop;
-  const Tree tree(mesh, options);
+  return Tree(mesh, options);
+}
+
+/// A ray aimed at a random point of a random triangle: from the eye if it meets the mesh from there, else
+/// from a few triangle sizes off. Ids of triangles are drawn, so that dense parts are seen as often as they
+/// are dense.
+Rayf aimed_ray(const Mesh3f& mesh, const Tree& tree, const Vec3d& eye, geometry::Pcg32& random) {
+  Rayf ray{Vec3f(eye), {0, 0, 1}};
+  for (int attempt = 0; attempt < 8; ++attempt) {
+    const Triangle3d target(mesh.triangle(random.below(static_cast<std::uint32_t>(mesh.size()))));
+    const Vec3d w = geometry::sample_triangle(random.uniform(), random.uniform());
+    if (!has_area(target)) continue;
+    const Vec3d point = target.a * w[0] + target.b * w[1] + target.c * w[2];
+    const Vec3d n = geometry::normalized(target.area_normal());
+    const double side = geometry::dot(eye - point, n) < 0 ? -1.0 : 1.0;
+    for (const Vec3d& from : {eye, point + n * (side * 4 * size_of(target))}) {
+      // Towards the point as seen from the origin that float can hold.
+      const Vec3d direction = point - Vec3d(Vec3f(from));
+      if (!(geometry::length2(direction) > 0)) continue;
+      ray = {Vec3f(from), Vec3f(geometry::normalized(direction))};
+      if (geometry::is_finite(ray.origin) && tree.closest_hit(ray)) return ray;
+    }
+  }
+  return ray;
+}
+
+/// A point of the surface, the unit normal on the side it is seen from, and how far off it rays start: a few
+/// ulps of its coordinates, and a small part of its triangle.
+struct Seen {
+  Vec3d point, normal;
+  double offset = 0;
+};
+
+/// What the camera's rays meet; in place of one that meets nothing, what an aimed one meets.
+std::vector<Seen> seen_by(const Mesh3f& mesh, const Tree& tree, const Camera& camera,
+                          std::span<const Rayf> rays, std::uint64_t seed, int threads) {
   std::vector<accel::Hit<float>> hits(rays.size());
   tree.closest_hit(rays, hits, threads);
-
   geometry::Pcg32 random(seed, 1);
   std::vector<Seen> seen;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     accel::Hit<float> hit = hits[i];
     Vec3d direction(rays[i].direction);
-    for (int attempt = 0; attempt < 8 && !hit; ++attempt) {
-      const Triangle3d target(mesh.triangle(random.below(static_cast<std::uint32_t>(mesh.size()))));
-      if (!geometry::is_finite(target)) continue;
-      const Vec3d w = geometry::sample_triangle(random.uniform(), random.uniform());
-      direction = target.a * w[0] + target.b * w[1] + target.c * w[2] - camera.origin;
-      if (geometry::length2(direction) > 0)
-        hit = tree.closest_hit(Rayf{Vec3f(camera.origin), Vec3f(direction)});
+    if (!hit) {
+      const Rayf ray = aimed_ray(mesh, tree, camera.origin, random);
+      hit = tree.closest_hit(ray), direction = Vec3d(ray.direction);
     }
     if (!hit) continue;
     const Triangle3d t(mesh.triangle(hit.primitive));
+    if (!has_area(t)) continue;
     const double u = hit.u, v = hit.v;
-    Vec3d n = t.area_normal();
-    if (geometry::length2(n) == 0) continue;
-    n = geometry::normalized(n);
+    Vec3d n = geometry::normalized(t.area_normal());
     if (geometry::dot(n, direction) > 0) n = -n;
-    seen.push_back({t.a * (1 - u - v) + t.b * u + t.c * v, n});
+    const Vec3d point = t.a * (1 - u - v) + t.b * u + t.c * v;
+    const double largest = std::max({std::abs(point[0]), std::abs(point[1]), std::abs(point[2])});
+    seen.push_back({point, n, 8 * geometry::tolerance::unit_roundoff<float> * largest + 1e-4 * size_of(t)});
   }
   return seen;
 }
 
-std::vector<Rayf> diffuse_rays(std::span<const Seen> seen, double offset, std::uint64_t seed) {
+std::vector<Rayf> diffuse_rays(std::span<const Seen> seen, std::uint64_t seed) {
   std::vector<Rayf> rays;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const Vec3d local = geometry::sample_hemisphere_cosine(geometry::uniform_at(seed + 1, 2 * i),
                                                            geometry::uniform_at(seed + 1, 2 * i + 1));
     const Vec3d direction = geometry::Frame<double>(seen[i].normal)(local);
-    rays.push_back({Vec3f(seen[i].point + seen[i].normal * offset), Vec3f(direction)});
+    rays.push_back({Vec3f(seen[i].point + seen[i].normal * seen[i].offset), Vec3f(direction)});
   }
   geometry::Pcg32 random(seed, 2);
   for (std::size_t i = rays.size(); i > 1; --i)
@@ -103,8 +172,7 @@ std::vector<Rayf> diffuse_rays(std::span<const Seen> seen, double offset, std::u
   return rays;
 }
 
-std::vector<Rayf> shadow_rays(std::span<const Seen> seen, const geometry::Box3d& box, double offset,
-                              std::uint64_t seed) {
+std::vector<Rayf> shadow_rays(std::span<const Seen> seen, const geometry::Box3d& box, std::uint64_t seed) {
   const double radius = 0.5 * geometry::length(box.extent());
   // High enough to light every side that faces up, big enough for soft shadows.
   const Vec3d light = box.centre() + Vec3d{0.5, 0.25, 2.0} * radius;
@@ -113,7 +181,7 @@ std::vector<Rayf> shadow_rays(std::span<const Seen> seen, const geometry::Box3d&
     const auto disc = geometry::sample_disc(geometry::uniform_at(seed + 2, 2 * i),
                                             geometry::uniform_at(seed + 2, 2 * i + 1));
     const Vec3d on_light = light + Vec3d{disc[0], disc[1], 0} * (0.3 * radius);
-    const Vec3d from = seen[i].point + seen[i].normal * offset, way = on_light - from;
+    const Vec3d from = seen[i].point + seen[i].normal * seen[i].offset, way = on_light - from;
     const double distance = geometry::length(way);
     rays.push_back({Vec3f(from), Vec3f(way / distance), 0.0f, static_cast<float>(distance * 0.999)});
   }
@@ -128,7 +196,7 @@ Rayf Camera::ray(double x, double y) const {
 }
 
 Camera frame(const Mesh3f& mesh, double aspect) {
-  const geometry::Box3d box = finite_box(mesh);
+  const geometry::Box3d box = robust_box(mesh);
   const double radius = std::max(0.5 * geometry::length(box.extent()), 1e-30);
   Camera camera;
   camera.forward = geometry::normalized(Vec3d{-0.55, 0.9, -0.6});
@@ -142,21 +210,32 @@ Camera frame(const Mesh3f& mesh, double aspect) {
 
 std::vector<RaySet> make_ray_sets(const Mesh3f& mesh, std::size_t count, std::uint64_t seed, int threads) {
   const Camera camera = frame(mesh, 1.0);
-  const geometry::Box3d box = finite_box(mesh);
-  const std::vector<Rayf> primary = camera_rays(camera, count, seed);
-  const std::vector<Seen> seen = seen_by(mesh, camera, primary, seed, threads);
-  if (seen.empty())
+  const geometry::Box3d box = robust_box(mesh);
+  const Tree tree = tree_over(mesh);
+  std::vector<Rayf> primary = camera_rays(camera, count, seed);
+  // Every second ray is aimed at a triangle; those are put in the order of their directions, so that
+  // neighbours stay neighbours.
+  geometry::Pcg32 random(seed, 3);
+  std::vector<Rayf> aimed;
+  for (std::size_t i = 1; i < primary.size(); i += 2)
+    aimed.push_back(aimed_ray(mesh, tree, camera.origin, random));
+  std::ranges::stable_sort(aimed, {}, [&](const Rayf& r) { return picture_order(camera, r); });
+  for (std::size_t i = 0; i < aimed.size(); ++i) primary[2 * i + 1] = aimed[i];
+
+  const std::vector<Seen> seen = seen_by(mesh, tree, camera, primary, seed, threads);
+  if (seen.empty()) {
+    for (std::size_t f = 0; f < mesh.size(); ++f)
+      if (has_area(Triangle3d(mesh.triangle(f))))
+        throw std::invalid_argument(
+            "no ray of the set camera hits the mesh, so it would measure nothing: its triangles are too "
+            "small "
+            "or too far from the origin for rays in float; move or scale the mesh");
     throw std::invalid_argument("no ray meets the mesh: it has no triangle with an area and finite corners");
-  // Far above the rounding of the origin, far below what can be seen.
-  double largest = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    largest = std::max({largest, std::abs(box.low[axis]), std::abs(box.high[axis])});
-  const double offset = std::max(1e-4 * geometry::length(box.extent()),
-                                 128 * geometry::tolerance::unit_roundoff<float> * largest);
+  }
   return {{"camera", false, primary, 0},
           {"camera_any", true, primary, 0},
-          {"diffuse", false, diffuse_rays(seen, offset, seed), 2},
-          {"shadow", true, shadow_rays(seen, box, offset, seed), 3}};
+          {"diffuse", false, diffuse_rays(seen, seed), 2},
+          {"shadow", true, shadow_rays(seen, box, seed), 3}};
 }
 
 std::uint64_t hash_of(const std::vector<Rayf>& rays) {

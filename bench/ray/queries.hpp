@@ -1,12 +1,16 @@
 // The rays that a mesh is asked: what a renderer would cast at it.
 //
-//   camera      a pinhole camera frames the mesh; closest hit; coherent (neighbouring pixels follow each
-//   other) camera_any  the same rays; any hit diffuse     from what the camera sees, a little above the
-//   surface, cosine-distributed bounces; closest hit;
+//   camera      a pinhole camera frames the mesh, strays apart; every second ray is aimed at a random
+//   triangle
+//               instead, from the camera or, where that misses, from near the triangle; closest hit;
+//               coherent (neighbouring pixels follow each other)
+//   camera_any  the same rays; any hit
+//   diffuse     from what those rays see, a little above the surface, cosine-distributed bounces; closest
+//   hit;
 //               shuffled, so scattered in origin and direction
-//   shadow      from what the camera sees to points on a round light above the mesh; any hit before the light
-// Where a camera ray misses, the bounce and the shadow ray start from a ray aimed at a random triangle
-// instead, so that sets over soups and open meshes do not run dry.
+//   shadow      from what those rays see to points on a round light above the mesh; any hit before the light
+// Where a ray misses, the bounce and the shadow ray start from another aimed ray, so that sets over soups and
+// open meshes do not run dry. "A little above" is a few ulps of the point and 1e-4 of its triangle.
 #pragma once
 
 #include <string>
@@ -25,7 +29,7 @@ struct Camera {
   geometry::Rayf ray(double x, double y) const;
 };
 
-/// A camera above and beside the mesh that frames its finite vertices.
+/// A camera above and beside the mesh that frames its finite corners, the outermost 1 % on each side apart.
 Camera frame(const geometry::Mesh3f& mesh, double aspect);
 
 struct RaySet {

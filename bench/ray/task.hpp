@@ -4,7 +4,10 @@
 // Truth: brute force with exact signs (truth.hpp) for an evenly spread sample of each set (all rays where the
 // mesh is
 //   small); a second witness in CGAL's exact kernel (oracle.hpp) agrees with it in the tests.
-// Judging: judge.hpp says when an answer is right, borderline or false. An answer counts as right if it is
+// Judging: judge.hpp says when an answer is right, borderline or false. Borderline answers count as right,
+// with
+//   the error that judge.cpp gives them; ray_borderline says how many there were. An answer counts as right
+//   if it is
 // right
 //   exactly, or right for the same ray moved by at most eps = 32 · unit_roundoff · (largest |coordinate|
 //   involved).
@@ -13,7 +16,8 @@
 //   misses count 1; error_max and error_p99 of the same; bias is the mean signed relative error of t.
 //   Any-hit sets: the share of false answers. Fields of its own: ray_judged, ray_false_hits,
 //   ray_false_misses, ray_borderline, ray_wrong_primitive (ties apart), ray_wrong_t, ray_leaks (rays from
-//   inside a closed mesh that got out; null elsewhere).
+//   inside a closed mesh that got out; null elsewhere), ray_hit_share
+//   (of the judged rays, how many truly hit).
 // Claims: exact: right up to the rounding of double, t rounded to float. bounded: right or borderline in
 // float, and
 //   no ray from inside a closed mesh gets out. approximate: may leak at edges and vertices, and t may slide
@@ -30,7 +34,7 @@ class RayTask final : public Task {
   RayTask();
 
   std::string name() const override { return "ray"; }
-  int version() const override { return 1; }
+  int version() const override { return 2; }
   const std::vector<MethodInfo>& methods() const override { return infos_; }
   std::vector<std::pair<std::string, std::string>> not_built() const override;
   std::vector<BlockSpec> blocks(Profile) const override;
