@@ -50,12 +50,12 @@ void Harness::finish(const Row& row) {
 }
 
 std::vector<Row> Harness::run(const BlockFacts& facts, Block& block, Progress& progress,
-                              const std::vector<std::string>& sets) {
+                              const std::vector<std::string>& sets, const Broken& broken) {
   rows_.clear();
   std::vector<Cell> pending;
   const auto plan = [&](Cell cell) {
     if (!filter_.matches(cell.name)) return;
-    if (!sets.empty() && std::find(sets.begin(), sets.end(), cell.row.query_set) == sets.end()) return;
+    if (!has_set(sets, cell.row.query_set)) return;
     if (const Row* row = file_.finished(cell.row.key())) {
       rows_.push_back(*row);
       return;
@@ -65,6 +65,11 @@ std::vector<Row> Harness::run(const BlockFacts& facts, Block& block, Progress& p
     if (facts.n > largest) {
       cell.row.status = Status::unsupported;
       cell.row.reason = fmt::format("not run above n = {}", largest);
+      return finish(cell.row);
+    }
+    if (const auto found = broken.find({cell.method, cell.build}); found != broken.end()) {
+      cell.row.status = found->second.status;
+      cell.row.reason = "in a trial run: " + found->second.reason;
       return finish(cell.row);
     }
     pending.push_back(std::move(cell));

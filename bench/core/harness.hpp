@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "bench/core/cells.hpp"
+#include "bench/core/probe.hpp"
 #include "bench/core/progress.hpp"
 #include "bench/core/row_file.hpp"
 #include "bench/core/timing.hpp"
@@ -16,7 +17,9 @@ class Harness {
   Harness(const Task&, const Options&, const Filter&, RowFile&, Timer&);
 
   /// Rows of all chosen cells of the block, those of an earlier run included. With `sets`, only of these.
-  std::vector<Row> run(const BlockFacts&, Block&, Progress&, const std::vector<std::string>& sets = {});
+  /// What is broken is not built; its rows say how it ended.
+  std::vector<Row> run(const BlockFacts&, Block&, Progress&, const std::vector<std::string>& sets = {},
+                       const Broken& broken = {});
 
  private:
   struct Group;  // subjects held at one time, and their cells

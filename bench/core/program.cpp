@@ -9,6 +9,7 @@
 #include "bench/core/advice.hpp"
 #include "bench/core/harness.hpp"
 #include "bench/core/measure.hpp"
+#include "bench/core/probe.hpp"
 #include "bench/core/selection.hpp"
 #include "bench/core/stress.hpp"
 #include "bench/core/table.hpp"
@@ -16,6 +17,9 @@
 
 namespace treeline::bench {
 namespace {
+
+constexpr Limits trial_limits{.seconds = 120, .memory = 0};
+constexpr double trial_seconds_an_element = 1e-4;  // for input so large that opening it takes its time
 
 constexpr int exit_expected = 0, exit_failed = 1, exit_unusable = 2;
 
@@ -43,6 +47,7 @@ class Program {
   void list_cells();
   void show(const std::vector<Row>&, Progress&) const;
   std::unique_ptr<Block> open(BlockSpec&);
+  Broken trial(const BlockSpec&, const std::vector<std::string>& sets = {});
   std::vector<BlockSpec> blocks();
   int finish() const;
 
@@ -86,6 +91,21 @@ std::unique_ptr<Block> Program::open(BlockSpec& spec) {
   }
 }
 
+/// Recipes are known to crash nobody, but what a user's file does to a peer shows only there.
+Broken Program::trial(const BlockSpec& spec, const std::vector<std::string>& sets) {
+  const bool needed = input_.has_value();
+  if (!needed) return {};
+  Limits limits = trial_limits;
+  limits.seconds = std::max(limits.seconds, trial_seconds_an_element * static_cast<double>(spec.n));
+  try {
+    return try_peers(
+        task_, spec, [&] { return task_.open(*input_, options_.context); },
+        {filter_, file_, sets, options_.context.threads}, limits);
+  } catch (const std::exception& e) {
+    throw UsageError(fmt::format("{}: {}", spec.label(), e.what()));
+  }
+}
+
 void Program::show(const std::vector<Row>& rows, Progress& progress) const {
   progress.clear();
   if (options_.quiet() || rows.empty()) return;
@@ -107,8 +127,9 @@ void Program::run_blocks() {
   Progress progress(weights_of(specs));
   for (std::size_t k = 0; k < specs.size(); ++k) {
     progress.block(k, specs[k].label());
+    const Broken broken = trial(specs[k]);
     const auto block = open(specs[k]);
-    const auto rows = harness.run(facts_of(specs[k], *block), *block, progress);
+    const auto rows = harness.run(facts_of(specs[k], *block), *block, progress, {}, broken);
     // A recipe is input that can be answered; a user's file may rightly be refused.
     outcome_.add(rows, !input_);
     show(rows, progress);
@@ -148,8 +169,9 @@ int Program::run_advice() {
   bool all_met = true;
   for (std::size_t k = 0; k < specs.size(); ++k) {
     progress.block(k, specs[k].label());
+    const Broken broken = trial(specs[k], sets);
     const auto block = open(specs[k]);
-    const auto rows = harness.run(facts_of(specs[k], *block), *block, progress, sets);
+    const auto rows = harness.run(facts_of(specs[k], *block), *block, progress, sets, broken);
     outcome_.add(rows, false);
     progress.clear();
     const Advice advice = advise(task_, rows, sets, *options_.advise);

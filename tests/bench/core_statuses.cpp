@@ -3,6 +3,8 @@
 
 #include <set>
 
+#include "bench/core/probe.hpp"
+#include "core_fake_task.hpp"
 #include "core_helper.hpp"
 
 namespace treeline::bench {
@@ -76,6 +78,48 @@ TEST(Statuses, EveryWayToFailAHardCase) {
             std::string::npos);
   std::set<std::string> keys;
   for (const Json& row : rows) EXPECT_TRUE(keys.insert(Row::from_json(row).key()).second);
+}
+
+// A user's file may crash a peer: that costs its rows, and no others.
+TEST(Statuses, PeersThatCrashOnAFileCostTheirRowsOnly) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "f.xyz") << "1 2 3\n1 2 3\n4 5 6\n";
+  const std::string arguments = "--input " + (folder / "f.xyz") + quickly +
+                                "--benchmark_filter='/(exact|rough|refuses|segfault.*|aborts|exits)/' ";
+  const std::string rows = "--rows " + (folder / "rows");
+  const auto run = run_fake(arguments + rows, "FAKE_WILD=1");
+  EXPECT_EQ(run.status, 0) << run.err;
+  const auto found = statuses_by_method(read_rows(folder / "rows"));
+  EXPECT_EQ(found.at("exact"), (Counts{{"ok", 2}}));
+  EXPECT_EQ(found.at("rough"), (Counts{{"ok", 4}}));
+  EXPECT_EQ(found.at("refuses"), (Counts{{"refused", 2}}));
+  for (const char* method : {"segfault", "segfault_build", "aborts", "exits"})
+    EXPECT_EQ(found.at(method), (Counts{{"crashed", 2}})) << method;
+  EXPECT_NE(one_row(read_rows(folder / "rows"), "aborts")["reason"].get<std::string>().find("wolf"),
+            std::string::npos);
+
+  const std::string before = read_text(folder / "rows");
+  EXPECT_EQ(run_fake(arguments + rows + " --resume", "FAKE_WILD=1 FAKE_LOG=" + (folder / "log")).status, 0);
+  EXPECT_EQ(read_text(folder / "rows"), before);
+  EXPECT_FALSE(std::filesystem::exists(folder / "log"));
+
+  const auto advice = run_fake(arguments + "--advise 0", "FAKE_WILD=1");
+  EXPECT_EQ(advice.status, 0) << advice.err;
+  EXPECT_NE(advice.out.find("  exact"), std::string::npos) << advice.out;
+}
+
+TEST(Statuses, TrialEndsPeersThatHang) {
+  setenv("FAKE_WILD", "1", 1);
+  const FakeTask task;
+  unsetenv("FAKE_WILD");
+  const BlockSpec spec{"counting", 3, false};
+  const RowFile none;
+  const Filter filter("/(exact|hangs|aborts)/");
+  const Broken broken = try_peers(task, spec, [&] { return task.open(spec, RunContext()); },
+                                  {filter, none, {}, 1}, {.seconds = 1, .memory = 0});
+  std::map<std::string, Status> found;
+  for (const auto& [build, ending] : broken) found[task.methods()[build.first].name] = ending.status;
+  EXPECT_EQ(found, (std::map<std::string, Status>{{"hangs", Status::timeout}, {"aborts", Status::crashed}}));
 }
 
 TEST(Statuses, OursMustAnswerUnlessTheCaseAllowsToRefuse) {
