@@ -11,7 +11,7 @@ std::vector<std::string> profile_flags(Profile profile) {
     case Profile::smoke:
       return {"--benchmark_repetitions=1"};
     case Profile::quick:
-      return {"--benchmark_min_time=0.02", "--benchmark_repetitions=3"};
+      return {"--benchmark_min_time=0.01", "--benchmark_repetitions=3"};
     case Profile::full:
       return {"--benchmark_min_time=0.2", "--benchmark_repetitions=9"};
   }

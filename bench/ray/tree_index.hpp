@@ -1,6 +1,7 @@
 // Our trees as ray methods: one adapter for all of them, brute force included.
 #pragma once
 
+#include <algorithm>
 #include <string>
 
 #include "bench/core/registry.hpp"
@@ -71,6 +72,7 @@ bool register_tree(MethodInfo info) {
   fast.name += "_fast";
   fast.claim = Claim::approximate;
   fast.build_knobs.resize(1);
+  fast.largest_n = std::min(fast.largest_n, fast.sweep_up_to_n);  // where builds are dear, one is enough
   return add(std::move(info), geometry::Watertight{}) && add(std::move(fast), geometry::MollerTrumbore{});
 }
 
