@@ -56,7 +56,7 @@ std::vector<Row> Harness::run(const BlockFacts& facts, Block& block, Progress& p
   const auto plan = [&](Cell cell) {
     if (!filter_.matches(cell.name)) return;
     if (!has_set(sets, cell.row.query_set)) return;
-    if (const Row* row = file_.finished(cell.row.key())) {
+    if (const Row* row = file_.finished(cell.row)) {
       rows_.push_back(*row);
       return;
     }

@@ -15,7 +15,7 @@ std::vector<Cell> cells_to_try(const Task& task, const BlockFacts& facts, const 
     const MethodInfo& method = task.methods()[cell.method];
     if (method.source != Source::peer || facts.n > method.largest_n) continue;
     if (!chosen.filter.matches(cell.name) || !has_set(chosen.sets, cell.row.query_set)) continue;
-    if (chosen.finished.finished(cell.row.key())) continue;
+    if (chosen.finished.finished(cell.row)) continue;
     const bool tried = !out.empty() && out.back().method == cell.method && out.back().build == cell.build &&
                        out.back().query_set == cell.query_set;
     if (!tried) out.push_back(std::move(cell));

@@ -69,7 +69,7 @@ int Program::run() {
     write_pictures();
     if (options_.rows.empty() && !options_.advise) return exit_expected;
   }
-  if (!options_.rows.empty()) file_ = RowFile(options_.rows, options_.resume);
+  if (!options_.rows.empty()) file_ = RowFile(options_.rows, options_.resume, task_.name());
   if (options_.advise) return run_advice();
   options_.stress ? run_stress() : run_blocks();
   return finish();

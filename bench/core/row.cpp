@@ -46,7 +46,7 @@ std::string hex16(std::uint64_t value) {
 std::string join_key(const Json& row) {
   Json key = Json::array();
   for (const char* field : {"task", "block", "dataset_hash", "seed", "method", "build_knobs", "query_knobs",
-                            "query_set", "threads"})
+                            "query_set", "queries", "threads"})
     key.push_back(row.at(field));
   return key.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -5,6 +5,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -16,7 +17,7 @@
 
 namespace treeline::bench {
 
-RowFile::RowFile(const std::string& path, bool resume) : path_(path) {
+RowFile::RowFile(const std::string& path, bool resume, const std::string& task) : path_(path) {
   const auto refuse = [&](const std::string& why) {
     if (file_ >= 0) close(std::exchange(file_, -1));
     throw UsageError(fmt::format("--rows {}: {}", path, why));
@@ -29,7 +30,7 @@ RowFile::RowFile(const std::string& path, bool resume) : path_(path) {
   if (size == 0) return;
   if (!resume) refuse("exists already; choose another file, or --resume to continue it");
   try {
-    read_existing();
+    read_existing(task);
   } catch (const std::exception& e) {
     refuse(e.what());
   }
@@ -45,36 +46,53 @@ RowFile& RowFile::operator=(RowFile&& o) noexcept {
   return *this;
 }
 
-void RowFile::read_existing() {
+void RowFile::read_existing(const std::string& task) {
   std::ifstream in(path_, std::ios::binary);
   std::stringstream buffer;
   buffer << in.rdbuf();
   const std::string text = std::move(buffer).str();
   std::size_t start = 0, number = 1;
-  for (std::size_t end; (end = text.find('\n', start)) != std::string::npos; start = end + 1, ++number) {
+  const auto take = [&](std::string_view line) {
     try {
-      const Row row =
-          Row::from_json(nlohmann::ordered_json::parse(text.begin() + static_cast<std::ptrdiff_t>(start),
-                                                       text.begin() + static_cast<std::ptrdiff_t>(end)));
+      const Row row = Row::from_json(nlohmann::ordered_json::parse(line));
+      if (row.task != task) throw std::runtime_error(fmt::format("it is of the task '{}'", row.task));
       finished_.insert_or_assign(row.key(), row);
     } catch (const std::exception& e) {
-      throw std::runtime_error(fmt::format("line {} is not a row: {}", number, e.what()));
+      throw std::runtime_error(
+          fmt::format("line {} is not a row of the task {}: {}", number, task, e.what()));
     }
+  };
+  for (std::size_t end; (end = text.find('\n', start)) != std::string::npos; start = end + 1, ++number)
+    take(std::string_view(text).substr(start, end - start));
+  const std::string_view tail = std::string_view(text).substr(start);
+  if (tail.empty()) return;
+  if (nlohmann::ordered_json::accept(tail)) {
+    take(tail);
+    return write_all("\n");
   }
-  if (start < text.size() && ftruncate(file_, static_cast<off_t>(start)) != 0)
+  const std::string head =
+      fmt::format(R"({{"schema":{},"task":{})", Row::schema, nlohmann::ordered_json(task).dump());
+  const std::size_t known = std::min(head.size(), tail.size());
+  if (tail.substr(0, known) != head.substr(0, known))
+    throw std::runtime_error(fmt::format("line {} is not the beginning of a row", number));
+  if (ftruncate(file_, static_cast<off_t>(start)) != 0)
     throw std::runtime_error(fmt::format("cannot cut off its torn last line: {}", std::strerror(errno)));
 }
 
-const Row* RowFile::finished(const std::string& key) const {
-  const auto found = finished_.find(key);
-  return found == finished_.end() ? nullptr : &found->second;
+const Row* RowFile::finished(const Row& cell) const {
+  const auto found = finished_.find(cell.key());
+  if (found == finished_.end()) return nullptr;
+  const bool built_since = found->second.status == Status::not_built && cell.status != Status::not_built;
+  return built_since ? nullptr : &found->second;
 }
 
 void RowFile::add(const Row& row) {
-  if (file_ < 0) return;
-  const std::string line = row.to_line() + "\n";
-  for (std::size_t done = 0; done < line.size();) {
-    const ssize_t n = write(file_, line.data() + done, line.size() - done);
+  if (file_ >= 0) write_all(row.to_line() + "\n");
+}
+
+void RowFile::write_all(const std::string& text) {
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t n = write(file_, text.data() + done, text.size() - done);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) throw std::system_error(errno, std::generic_category(), "writing rows to " + path_);
     done += static_cast<std::size_t>(n);

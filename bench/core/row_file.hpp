@@ -13,20 +13,22 @@ class RowFile {
  public:
   /// No file: rows are only counted as finished.
   RowFile() = default;
-  /// Throws UsageError if the file is not empty and not to be resumed, is in use, or holds what are no rows.
-  /// A last line without an end, as a killed run leaves it, is cut off.
-  RowFile(const std::string& path, bool resume);
+  /// Throws UsageError if the file is not empty and not to be resumed, is in use, or holds anything but rows
+  /// of this task; it is left as it is then. Of a last line without an end, as a killed run leaves it, a
+  /// whole row gets its end and a torn one is cut off.
+  RowFile(const std::string& path, bool resume, const std::string& task);
   ~RowFile();
   RowFile(RowFile&&) noexcept;
   RowFile& operator=(RowFile&&) noexcept;
 
-  /// The row of this cell if an earlier run wrote it.
-  const Row* finished(const std::string& key) const;
+  /// The row of this cell if an earlier run wrote it. That it was not built then does not count if it is now.
+  const Row* finished(const Row& cell) const;
   /// Throws std::system_error if it cannot be written in full.
   void add(const Row&);
 
  private:
-  void read_existing();
+  void read_existing(const std::string& task);
+  void write_all(const std::string& text);
 
   std::string path_;
   int file_ = -1;

@@ -69,7 +69,7 @@ std::vector<Row> Stress::run(const BlockSpec& spec, Progress& progress) {
     if (cell.row.status != Status::not_built &&
         std::ranges::count(task_.methods()[cell.method].stress_builds, cell.build) == 0)
       return;
-    if (const Row* row = file_.finished(cell.row.key()))
+    if (const Row* row = file_.finished(cell.row))
       rows_.push_back(*row);
     else if (cell.row.status == Status::not_built)
       finish(cell.row);

@@ -16,7 +16,7 @@ Row row_named(const std::string& method) {
 
 TEST(RowFile, RowsAreOnDiskWhenAddReturns) {
   const TemporaryFolder folder;
-  RowFile file(folder / "rows", false);
+  RowFile file(folder / "rows", false, "fake");
   file.add(row_named("a"));
   file.add(row_named("b"));
   const auto rows = read_rows(folder / "rows");
@@ -29,9 +29,9 @@ TEST(RowFile, TornLastLineIsCutOffAndTheRestIsFinished) {
   std::ofstream(folder / "rows") << row_named("a").to_line() << "\n"
                                  << row_named("b").to_line().substr(0, 40);
   {
-    RowFile file(folder / "rows", true);
-    EXPECT_NE(file.finished(row_named("a").key()), nullptr);
-    EXPECT_EQ(file.finished(row_named("b").key()), nullptr);
+    RowFile file(folder / "rows", true, "fake");
+    EXPECT_NE(file.finished(row_named("a")), nullptr);
+    EXPECT_EQ(file.finished(row_named("b")), nullptr);
     file.add(row_named("c"));
   }
   const auto rows = read_rows(folder / "rows");
@@ -40,11 +40,61 @@ TEST(RowFile, TornLastLineIsCutOffAndTheRestIsFinished) {
   EXPECT_EQ(rows[1]["method"], "c");
 }
 
-TEST(RowFile, WholeRowWithoutItsLineEndIsTornToo) {
+TEST(RowFile, WholeRowWithoutItsLineEndIsKept) {
   const TemporaryFolder folder;
   std::ofstream(folder / "rows") << row_named("a").to_line();
-  { RowFile(folder / "rows", true).add(row_named("c")); }
-  EXPECT_EQ(read_rows(folder / "rows").size(), 1u);
+  {
+    RowFile file(folder / "rows", true, "fake");
+    EXPECT_NE(file.finished(row_named("a")), nullptr);
+    file.add(row_named("c"));
+  }
+  const auto rows = read_rows(folder / "rows");
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0]["method"], "a");
+  EXPECT_EQ(rows[1]["method"], "c");
+}
+
+TEST(RowFile, ForeignTextWithoutALineEndIsRefusedAndLeftAlone) {
+  const TemporaryFolder folder;
+  for (const std::string text :
+       {"{\"a\":1}", "{\"a\":", "precious", "7", "{\"schema\":1}", "{\"schema\":\"https://", " "}) {
+    std::ofstream(folder / "rows") << text;
+    EXPECT_THROW(RowFile(folder / "rows", true, "fake"), UsageError) << text;
+    EXPECT_EQ(read_text(folder / "rows"), text);
+  }
+  for (const std::string torn : {"{", "{\"schema\"", "{\"schema\":1,\"task\":\"fake\",\"blo"}) {
+    std::ofstream(folder / "rows") << torn;
+    EXPECT_NO_THROW(RowFile(folder / "rows", true, "fake")) << torn;
+    EXPECT_EQ(read_text(folder / "rows"), "") << torn;
+  }
+}
+
+TEST(RowFile, RowsOfAnotherTaskAreRefused) {
+  const TemporaryFolder folder;
+  Row other = row_named("b");
+  other.task = "other";
+  for (const std::string end : {"\n", ""}) {
+    const std::string text = row_named("a").to_line() + "\n" + other.to_line() + end;
+    std::ofstream(folder / "rows") << text;
+    try {
+      RowFile file(folder / "rows", true, "fake");
+      FAIL() << "was taken";
+    } catch (const UsageError& e) {
+      EXPECT_NE(std::string(e.what()).find("line 2"), std::string::npos) << e.what();
+    }
+    EXPECT_EQ(read_text(folder / "rows"), text);
+  }
+  EXPECT_EQ(run_fake("--resume --rows " + (folder / "rows")).status, 2);
+}
+
+TEST(RowFile, WhatWasNotBuiltIsNotFinishedOnceItIs) {
+  const TemporaryFolder folder;
+  Row row = row_named("a");
+  row.status = Status::not_built;
+  std::ofstream(folder / "rows") << row.to_line() << "\n";
+  RowFile file(folder / "rows", true, "fake");
+  EXPECT_NE(file.finished(row), nullptr);
+  EXPECT_EQ(file.finished(row_named("a")), nullptr);
 }
 
 TEST(RowFile, ForeignFilesAreRefusedAndLeftAlone) {
@@ -52,7 +102,7 @@ TEST(RowFile, ForeignFilesAreRefusedAndLeftAlone) {
   const std::string text = row_named("a").to_line() + "\nmy shopping list\n{\"x\":";
   std::ofstream(folder / "rows") << text;
   try {
-    RowFile file(folder / "rows", true);
+    RowFile file(folder / "rows", true, "fake");
     FAIL() << "was taken";
   } catch (const UsageError& e) {
     EXPECT_NE(std::string(e.what()).find("line 2"), std::string::npos) << e.what();
@@ -63,16 +113,16 @@ TEST(RowFile, ForeignFilesAreRefusedAndLeftAlone) {
 TEST(RowFile, OnlyResumeContinuesAFile) {
   const TemporaryFolder folder;
   std::ofstream(folder / "rows") << row_named("a").to_line() << "\n";
-  EXPECT_THROW(RowFile(folder / "rows", false), UsageError);
-  EXPECT_NO_THROW(RowFile(folder / "rows", true));
+  EXPECT_THROW(RowFile(folder / "rows", false, "fake"), UsageError);
+  EXPECT_NO_THROW(RowFile(folder / "rows", true, "fake"));
   std::ofstream(folder / "empty");
-  EXPECT_NO_THROW(RowFile(folder / "empty", false));
+  EXPECT_NO_THROW(RowFile(folder / "empty", false, "fake"));
 }
 
 TEST(RowFile, TwoWritersAtOnceAreOneTooMany) {
   const TemporaryFolder folder;
-  RowFile first(folder / "rows", true);
-  EXPECT_THROW(RowFile(folder / "rows", true), UsageError);
+  RowFile first(folder / "rows", true, "fake");
+  EXPECT_THROW(RowFile(folder / "rows", true, "fake"), UsageError);
 }
 
 }  // namespace

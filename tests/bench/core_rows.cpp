@@ -90,6 +90,7 @@ TEST(Rows, KeysTellCellsApartAndIgnoreResults) {
   EXPECT_TRUE(differs([](Row& r) { r.build_knobs["leaf"] = 16; }));
   EXPECT_TRUE(differs([](Row& r) { r.query_knobs["eps"] = 0.25; }));
   EXPECT_TRUE(differs([](Row& r) { r.query_set = "knn1"; }));
+  EXPECT_TRUE(differs([](Row& r) { r.queries = 8; }));  // as another profile has it
   EXPECT_TRUE(differs([](Row& r) { r.threads = 1; }));
   EXPECT_TRUE(differs([](Row& r) { r.seed = 1; }));
   EXPECT_TRUE(differs([](Row& r) { r.dataset_hash = format_hash(0xac); }));
