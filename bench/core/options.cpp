@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdlib>
+#include <thread>
 
 namespace treeline::bench {
 namespace {
@@ -22,6 +23,19 @@ const std::string& one_of_formats(const std::string& flag, const std::string& va
   if (value != "console" && value != "json" && value != "csv")
     throw UsageError(fmt::format("{} is '{}'; it must be console, json or csv", flag, value));
   return value;
+}
+
+/// Of those passed on, the numbers that Google Benchmark takes though they make no sense. What is no number
+/// it refuses by itself.
+void check_benchmark_number(const std::string& flag, const std::string& value) {
+  char* end = nullptr;
+  const double number = std::strtod(value.c_str(), &end);
+  if (end == value.c_str()) return;
+  if (flag == "--benchmark_repetitions" && !(number >= 1 && number <= 1e6))
+    throw UsageError(fmt::format("{} is '{}'; it must be from 1 to 1000000", flag, value));
+  if ((flag == "--benchmark_min_time" || flag == "--benchmark_min_warmup_time") &&
+      !(number >= 0 && number <= 1e6))
+    throw UsageError(fmt::format("{} is '{}'; it must be from 0 to 1000000", flag, value));
 }
 
 void take_benchmark_flag(BenchmarkFlags& flags, const std::string& argument) {
@@ -46,7 +60,27 @@ void take_benchmark_flag(BenchmarkFlags& flags, const std::string& argument) {
   else if (flag == "--benchmark_display_aggregates_only")
     flags.display_aggregates_only = truthy(flag, value);
   else
-    flags.passed_on.push_back(argument);
+    check_benchmark_number(flag, value), flags.passed_on.push_back(argument);
+}
+
+/// CLI11's own checks name the largest number there is, in all its 309 digits.
+CLI::Validator number_that(bool (*fits)(double), const std::string& what) {
+  const auto check = [fits, what](const std::string& text) {
+    char* end = nullptr;
+    const double number = std::strtod(text.c_str(), &end);
+    const bool is_number = !text.empty() && *end == '\0';
+    return is_number && fits(number) ? std::string() : fmt::format("'{}' is not {}", text, what);
+  };
+  return CLI::Validator(check, "");
+}
+
+/// More threads than the machine has are not measured: some methods would take fewer, and rows would not say
+/// so.
+int threads_to_use(int asked) {
+  const int there = static_cast<int>(std::thread::hardware_concurrency());  // 0: not known
+  if (there == 0 || asked <= there) return asked;
+  fmt::print(stderr, "--threads {}: this machine has {}, which is what is used\n", asked, there);
+  return there;
 }
 
 std::string default_cache() {
@@ -97,26 +131,28 @@ std::variant<Options, int> parse_command_line(const std::string& task, int argc,
       "Exit status: 0 all cells ended as expected; 1 a cell of ours is wrong, crashed or timeout, or a "
       "filter\n"
       "matched nothing; 2 unusable arguments or input.");
+  const auto positive = number_that([](double x) { return x > 0 && x <= 1e18; }, "a positive number");
+  const auto not_negative =
+      number_that([](double x) { return x >= 0 && x < 0x1p64; }, "a number from 0 to 2^64 - 1");
+  const auto seconds =
+      number_that([](double x) { return x > 0 && x <= 1e6; }, "a number of seconds up to 1000000");
   std::string profile = "quick";
   app.add_flag("--list", o.list, "Every block and method with its knobs, one per line");
   app.add_option("--profile", profile, "smoke, quick or full")
       ->check(CLI::IsMember({"smoke", "quick", "full"}));
   app.add_option("--dataset", o.datasets, "Only these datasets: NAME or NAME:n");
   app.add_option("--input", o.input, "Measure on a file of your own");
-  app.add_option("--seed", o.context.seed, "Seed of datasets and queries")->check(CLI::NonNegativeNumber);
+  app.add_option("--seed", o.context.seed, "Seed of datasets and queries")->check(not_negative);
   app.add_option("--threads", o.context.threads, "Threads that share a batch")->check(CLI::Range(1, 4096));
   app.add_option("--rows", o.rows, "Append rows to this file; an existing one is refused without --resume");
   app.add_flag("--resume", o.resume, "Continue the rows file: finished cells are not repeated");
   app.add_flag("--stress", o.stress, "The hard cases, each in a child process");
   app.add_option("--advise", o.advise, "Cheapest method within this error on the given dataset or file");
-  app.add_option("--block", o.block, "Only block K of --list, with all its methods")
-      ->check(CLI::PositiveNumber);
+  app.add_option("--block", o.block, "Only block K of --list, with all its methods")->check(positive);
   app.add_option("--pictures", o.pictures, "Write pictures of the blocks into this folder");
   app.add_option("--cache", o.context.truth_cache, "Folder for truths already computed (empty: none)");
-  app.add_option("--stress-seconds", o.limits.seconds, "Time limit of a step of a hard case")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--stress-bytes", o.limits.memory, "Memory limit of a hard case")
-      ->check(CLI::PositiveNumber);
+  app.add_option("--stress-seconds", o.limits.seconds, "Time limit of a step of a hard case")->check(seconds);
+  app.add_option("--stress-bytes", o.limits.memory, "Memory limit of a hard case")->check(positive);
   try {
     app.parse(arguments);
   } catch (const CLI::CallForHelp& help) {
@@ -124,10 +160,17 @@ std::variant<Options, int> parse_command_line(const std::string& task, int argc,
   } catch (const CLI::ParseError& error) {
     throw UsageError(error.what());
   }
+  // An empty one would count as not given.
+  for (const auto& [flag, empty] : {std::pair("--input", o.input.empty()),
+                                    {"--rows", o.rows.empty()},
+                                    {"--pictures", o.pictures.empty()},
+                                    {"--advise", !o.advise}})
+    if (app.count(flag) > 0 && empty) throw UsageError(fmt::format("{} is empty; it needs a value", flag));
   o.context.profile = profile == "smoke"  ? Profile::smoke
                       : profile == "full" ? Profile::full
                                           : Profile::quick;
   check_combinations(o);
+  o.context.threads = threads_to_use(o.context.threads);
   return o;
 }
 

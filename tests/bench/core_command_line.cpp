@@ -1,6 +1,8 @@
 // Bad arguments are named and end with status 2; what matches nothing ends with 1.
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "core_helper.hpp"
 
 namespace treeline::bench {
@@ -18,6 +20,7 @@ TEST_P(BadArguments, AreNamedWithStatusTwo) {
   EXPECT_EQ(run.status, 2) << run.out << run.err;
   EXPECT_NE(run.err.find(GetParam().named), std::string::npos) << run.err;
   EXPECT_EQ(run.out, "");
+  for (const std::string& line : lines_of(run.err)) EXPECT_LT(line.size(), 300u) << line;
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -30,13 +33,33 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"--block 0", "--block"}, Bad{"--block 3", "--block 3"}, Bad{"--block x", "--block"},
         Bad{"--advise 1e-3", "--advise"}, Bad{"--advise -1 --dataset counting", "--advise"},
         Bad{"--advise nan --dataset counting", "--advise"}, Bad{"--advise x --dataset counting", "--advise"},
-        Bad{"--resume", "--resume"}, Bad{"--input /nowhere.ply", "/nowhere.ply"},
-        Bad{"--input a.ply --dataset counting", "--input"}, Bad{"--stress --dataset counting", "counting"},
-        Bad{"--stress --advise 1", "--advise"}, Bad{"--rows /nowhere/at/all", "/nowhere/at/all"},
+        Bad{"--input ''", "--input"}, Bad{"--input '' --dataset counting", "--input"},
+        Bad{"--advise '' --dataset counting", "--advise"}, Bad{"--rows ''", "--rows"},
+        Bad{"--stress --stress-seconds -1", "--stress-seconds"},
+        Bad{"--stress --stress-seconds nan", "--stress-seconds"},
+        Bad{"--stress --stress-bytes 0", "--stress-bytes"},
+        Bad{"--benchmark_repetitions=-1", "--benchmark_repetitions"},
+        Bad{"--benchmark_repetitions=0", "--benchmark_repetitions"},
+        Bad{"--benchmark_min_time=-1", "--benchmark_min_time"},
+        Bad{"--benchmark_min_time=nan", "--benchmark_min_time"}, Bad{"--resume", "--resume"},
+        Bad{"--input /nowhere.ply", "/nowhere.ply"}, Bad{"--input a.ply --dataset counting", "--input"},
+        Bad{"--stress --dataset counting", "counting"}, Bad{"--stress --advise 1", "--advise"},
+        Bad{"--rows /nowhere/at/all", "/nowhere/at/all"},
         Bad{"--benchmark_nonsense=1", "--benchmark_nonsense"},
         Bad{"--benchmark_repetitions=few", "--benchmark_repetitions"},
         Bad{"--benchmark_format=xml", "--benchmark_format"},
         Bad{"--benchmark_filter=*[", "--benchmark_filter"}));
+
+TEST(CommandLine, RowsCarryTheThreadsThatThereAre) {
+  const TemporaryFolder folder;
+  const auto run =
+      run_fake("--profile smoke --threads 4096 --benchmark_filter=/exact/ --rows " + (folder / "rows"));
+  EXPECT_EQ(run.status, 0) << run.err;
+  const unsigned there = std::thread::hardware_concurrency();
+  if (there == 0 || there >= 4096) GTEST_SKIP() << "a machine of unknown or enormous size";
+  EXPECT_NE(run.err.find("--threads 4096"), std::string::npos) << run.err;
+  for (const Json& row : read_rows(folder / "rows")) EXPECT_EQ(row["threads"], there);
+}
 
 TEST(CommandLine, FilterThatMatchesNothingIsStatusOne) {
   const auto run = run_fake("--dataset squares --benchmark_filter=unheard_of");
