@@ -183,8 +183,8 @@ int Program::run_advice() {
                     shell_word(options_.program), input, options_.context.seed, options_.context.threads);
     fmt::print(options_.quiet() ? stderr : stdout, "{}", format_advice(advice, *options_.advise, again));
   }
-  if (outcome_.cells == 0) return finish();
-  return all_met ? exit_expected : exit_failed;
+  const int ended = finish();
+  return all_met ? ended : exit_failed;
 }
 
 /// One block a dataset is enough for pictures: its smallest.

@@ -62,6 +62,13 @@ TEST(AdviceProgram, SaysSoIfNoneMeetsIt) {
   EXPECT_NE(run.out.find("No method"), std::string::npos) << run.out;
 }
 
+TEST(AdviceProgram, FailsIfOursAnswersWronglyThoughAnotherMeetsTheTolerance) {
+  const auto run = run_fake("--dataset counting:1000 --advise 0.2" + quickly, "FAKE_OURS_WRONG=1");
+  EXPECT_NE(run.out.find("Advice for"), std::string::npos) << run.out;
+  EXPECT_EQ(run.status, 1);
+  EXPECT_NE(run.err.find("failures of ours"), std::string::npos) << run.err;
+}
+
 // ---- on rows made by hand ------------------------------------------------------------------------------
 
 Row rung_row(const std::string& method, const std::string& set, double ns, double error) {
