@@ -122,7 +122,8 @@ std::string format_advice(const Advice& advice, double tolerance, const std::str
   std::string out =
       fmt::format("Advice for a tolerance of {:g} on {} ({} elements):\n", tolerance, row.dataset, row.n);
   out += fmt::format("  {} ({}, {})\n", rung_name(row), to_string(row.source), to_string(row.claim));
-  out += fmt::format("  cost   {} per query ({})\n", format_time_ns(rung.cost_ns), cost_of(rung));
+  out += fmt::format("  cost   {} for one query of each set ({})\n", format_time_ns(rung.cost_ns),
+                     cost_of(rung));
   out += fmt::format("  error  {} largest over the query sets", format_error(worst(rung, &Errors::error)));
   if (const auto max = worst(rung, &Errors::max))
     out += fmt::format(", worst single answer {}", format_error(max));
@@ -135,7 +136,7 @@ std::string format_advice(const Advice& advice, double tolerance, const std::str
     out += "  below  nothing cheaper was measured\n";
   } else {
     const Rung& below = advice.rungs[*advice.chosen - 1];
-    out += fmt::format("  below  {} at {} per query is not enough: {}\n", rung_name(below.rows.front()),
+    out += fmt::format("  below  {} at {} is not enough: {}\n", rung_name(below.rows.front()),
                        format_time_ns(below.cost_ns), below.limit);
   }
   std::string line = again;
