@@ -25,6 +25,12 @@ inline void check_threads(int threads) {
   if (threads < 1) throw InvalidInput("threads is " + std::to_string(threads) + "; it must be at least 1");
 }
 
+/// Asking TBB for more workers than it may have makes it print.
+inline int allowed_threads(int threads) {
+  const std::size_t most = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  return static_cast<int>(std::min<std::size_t>(most, static_cast<std::size_t>(threads)));
+}
+
 /// Calls f(begin, end) for ranges that cover [0, n) once each; every begin is a multiple of batch_chunk. On
 /// one thread there is one range and TBB stays out of it. An exception of f reaches the caller.
 template <class F>
@@ -45,9 +51,7 @@ void parallel_ranges(std::size_t n, int threads, F&& f) {
   for (auto& helper : helpers) helper.wait();
   for (auto& helper : helpers) helper.get();
 #else
-  // Asking TBB for more workers than it may have makes it print.
-  const std::size_t most = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  tbb::task_arena arena(static_cast<int>(std::min<std::size_t>(most, static_cast<std::size_t>(threads))));
+  tbb::task_arena arena(allowed_threads(threads));
   arena.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, chunk); });
 #endif
 }

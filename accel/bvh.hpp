@@ -3,3 +3,4 @@
 
 #include "accel/bvh/points.hpp"
 #include "accel/bvh/triangles.hpp"
+#include "accel/bvh/wide_points.hpp"

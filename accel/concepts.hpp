@@ -57,7 +57,10 @@ template <class Primitives>
 class KdTree;
 template <class Primitives>
 class BspTree;
-template <class Primitives>
+/// Layouts of a Bvh: two children a node, with pointers; or 16 children a node, none.
+struct Binary {};
+struct Wide {};
+template <class Primitives, class Layout = Binary>
 class Bvh;
 
 // ---- build ---------------------------------------------------------------------------------------------

@@ -2,7 +2,10 @@
 //   visit_near(q, visitor, work): offers leaves to the visitor, near ones first, but those beyond
 //   visitor.limit(); visit_box(box, leaf, work): calls leaf(PointLeaf) for every leaf that may hold a point
 //   of the box.
-// Checks of the input, the choice of a collector, batches and scaling are here, once for all trees.
+// Checks of the input, the choice of a collector, batches and scaling are here, once for all trees. A tree
+// with searches of its own says `searches_itself` and has, all in scaled coordinates:
+//   search_nearest(q, out, work), search_nearest_group(queries, k, out) for at most group_size queries at
+//   once, search_within(q, limit, list, work), search_inside(box, ids, work).
 #pragma once
 
 #include <span>
@@ -22,6 +25,7 @@ class PointQueries {
   static constexpr int dimension = D;
   using Point = geometry::Vec<T, D>;
   using Box = geometry::Box<T, D>;
+  static constexpr bool searches_itself = false;
 
   // ---- one query: see NeighborIndex -------------------------------------------------------------------
 
@@ -75,6 +79,9 @@ class PointQueries {
     const std::size_t m = std::min(k, size());
     parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
       NoWork work;
+      if constexpr (Tree::searches_itself)
+        if (m == k)
+          return find_nearest_groups(queries.subspan(begin, end - begin), k, out.subspan(begin * k));
       for (std::size_t i = begin; i < end; ++i) {
         const auto answers = out.subspan(i * k, k);
         find_nearest(queries[i], answers.first(m), work);
@@ -100,7 +107,7 @@ class PointQueries {
 
   // ---- what the tree tells of itself ------------------------------------------------------------------
 
-  std::size_t size() const { return set_.entries.size(); }
+  std::size_t size() const { return stats_.primitives; }
   std::size_t bytes() const { return stats_.bytes; }
   TreeStats stats() const { return stats_; }
   /// Of the points kept; empty if there are none.
@@ -126,10 +133,30 @@ class PointQueries {
       tree().visit_near(scaled, best, work);
       best.finish();
     };
-    if (out.size() <= SortedBest<T>::largest_k)
+    if constexpr (Tree::searches_itself)
+      tree().search_nearest(scaled, out, work);
+    else if (out.size() <= SortedBest<T>::largest_k)
       collect(SortedBest<T>(out));
     else
       collect(HeapBest<T>(out));
+    settle(q, scaled, out, work);
+  }
+  /// Several queries at once, so that one computes while others wait for memory.
+  void find_nearest_groups(std::span<const Point> queries, std::size_t k, std::span<Neighbor<T>> out) const {
+    NoWork work;
+    Point scaled[Tree::group_size];
+    for (std::size_t first = 0; first < queries.size(); first += Tree::group_size) {
+      const std::size_t count = std::min(Tree::group_size, queries.size() - first);
+      for (std::size_t i = 0; i < count; ++i) scaled[i] = set_.scaled(queries[first + i]);
+      const auto answers = out.subspan(first * k, count * k);
+      tree().search_nearest_group(std::span<const Point>(scaled, count), k, answers);
+      for (std::size_t i = 0; i < count; ++i)
+        settle(queries[first + i], scaled[i], answers.subspan(i * k, k), work);
+    }
+  }
+  /// From scaled distances to true ones.
+  template <class W>
+  void settle(const Point& q, const Point& scaled, std::span<Neighbor<T>> out, W& work) const {
     if (set_.vague(scaled, out.front().distance2, out.back().distance2)) [[unlikely]]
       return rank_widely(q, out, work);
     if (set_.scale != T(1))
@@ -161,8 +188,12 @@ class PointQueries {
           out.push_back({set_.unscaled_square(c.distance2), c.id});
       return;
     }
-    WithinRadius<T> visitor(limit, out);
-    tree().visit_near(set_.scaled(q), visitor, work);
+    if constexpr (Tree::searches_itself) {
+      tree().search_within(set_.scaled(q), limit, out, work);
+    } else {
+      WithinRadius<T> visitor(limit, out);
+      tree().visit_near(set_.scaled(q), visitor, work);
+    }
     if (set_.scale != T(1))
       for (std::size_t i = before; i < out.size(); ++i)
         out[i].distance2 = set_.unscaled_square(out[i].distance2);
@@ -173,16 +204,19 @@ class PointQueries {
     // Clipped to the cloud's box, so that infinite sides become finite.
     const Box b = geometry::intersection(Box{box.low * set_.scale, box.high * set_.scale}, set_.box);
     if (b.empty()) return;
-    tree().visit_box(
-        b,
-        [&](const PointLeaf& leaf) {
-          const auto* e = set_.entries.data() + leaf.first;
-          work.primitive(leaf.coincident ? 1 : leaf.count);
-          if (leaf.coincident && !b.contains(e->point)) return;
-          for (const auto* const end = e + leaf.count; e != end; ++e)
-            if (leaf.coincident || b.contains(e->point)) out.push_back(e->id);
-        },
-        work);
+    if constexpr (Tree::searches_itself)
+      tree().search_inside(b, out, work);
+    else
+      tree().visit_box(
+          b,
+          [&](const PointLeaf& leaf) {
+            const auto* e = set_.entries.data() + leaf.first;
+            work.primitive(leaf.coincident ? 1 : leaf.count);
+            if (leaf.coincident && !b.contains(e->point)) return;
+            for (const auto* const end = e + leaf.count; e != end; ++e)
+              if (leaf.coincident || b.contains(e->point)) out.push_back(e->id);
+          },
+          work);
   }
 
   // ---- refusals ---------------------------------------------------------------------------------------

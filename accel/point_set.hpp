@@ -18,24 +18,15 @@
 #include <vector>
 
 #include "accel/concepts.hpp"
+#include "accel/simd/registers.hpp"
 
 namespace treeline::accel {
 
-/// s + d·d, rounded the same way wherever it is called: where the machine fuses, it fuses here by name, since
-/// a compiler left to choose may fuse one call and not another.
-inline float add_square(float s, float d) {
-#if defined(__FMA__) || defined(__FP_FAST_FMAF)
-  return std::fma(d, d, s);
-#else
-  return s + d * d;
-#endif
-}
-inline double add_square(double s, double d) {
-#if defined(__FMA__) || defined(__FP_FAST_FMA)
-  return std::fma(d, d, s);
-#else
-  return s + d * d;
-#endif
+/// s + d·d with both operations rounded, on every machine: trees then agree to the last bit on what is near,
+/// whatever instructions they were compiled to.
+template <class T>
+T add_square(T s, T d) {
+  return s + simd::opaque(d * d);
 }
 
 // Why a pruned box never holds a true neighbour, rounding included. squared_length adds the axes in a fixed

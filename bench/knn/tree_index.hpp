@@ -67,7 +67,8 @@ class TreeIndex final : public Index {
 template <class Tree>
 std::unique_ptr<Index> build_tree(const Input& input, typename Tree::Options options, const Knobs& knobs) {
   options.non_finite = accel::NonFinite::drop;
-  if (knobs.contains("leaf_size")) options.leaf_size = knobs.at("leaf_size").get<int>();
+  if constexpr (requires { options.leaf_size; })
+    if (knobs.contains("leaf_size")) options.leaf_size = knobs.at("leaf_size").get<int>();
   return std::make_unique<TreeIndex<Tree>>(input, options);
 }
 

@@ -2,6 +2,7 @@
 #include "accel/brute_force/points.hpp"
 #include "accel/bsp_tree/points.hpp"
 #include "accel/bvh/points.hpp"
+#include "accel/bvh/wide_points.hpp"
 #include "accel/kd_tree/points.hpp"
 #include "points_common.hpp"
 
@@ -54,7 +55,8 @@ Trees<T, D> all_trees(const Vecs<T, D>& points, int leaf_size, NonFinite non_fin
   using P = Points<T, D>;
   Trees<T, D> trees;
   const auto add = [&]<class Tree>(std::type_identity<Tree>, const char* name, auto options) {
-    options.leaf_size = leaf_size, options.non_finite = non_finite;
+    if constexpr (requires { options.leaf_size; }) options.leaf_size = leaf_size;
+    options.non_finite = non_finite;
     trees.push_back(std::make_unique<Wrapped<Tree, T, D>>(name, points, options));
   };
   add(std::type_identity<BruteForce<P>>{}, "brute force", BuildOptions{});
@@ -70,6 +72,12 @@ Trees<T, D> all_trees(const Vecs<T, D>& points, int leaf_size, NonFinite non_fin
   add(std::type_identity<Bvh<P>>{}, "bvh rank", bvh);
   bvh.split = BvhPointOptions::Split::sah;
   add(std::type_identity<Bvh<P>>{}, "bvh sah", bvh);
+  if constexpr (std::is_same_v<T, float>) {
+    WidePointOptions wide;
+    add(std::type_identity<Bvh<P, accel::Wide>>{}, "bvh wide", wide);
+    wide.threads = 2;
+    add(std::type_identity<Bvh<P, accel::Wide>>{}, "bvh wide, built by two", wide);
+  }
   return trees;
 }
 

@@ -182,6 +182,8 @@ using Double3 = Trees<Points<double, 3>>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Float3, PointLaws, Float3);
 INSTANTIATE_TYPED_TEST_SUITE_P(Float2, PointLaws, Float2);
 INSTANTIATE_TYPED_TEST_SUITE_P(Double3, PointLaws, Double3);
+using WideFloat = testing::Types<accel::Bvh<Points<float, 3>, accel::Wide>, accel::Bvh<Points<float, 2>, accel::Wide>>;
+INSTANTIATE_TYPED_TEST_SUITE_P(WideFloat, PointLaws, WideFloat);
 
 }  // namespace
 }  // namespace treeline::test

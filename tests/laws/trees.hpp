@@ -25,4 +25,10 @@ struct PrimitivesOf<Tree<P>> {
   using Brute = accel::BruteForce<P>;
 };
 
+template <class P>
+struct PrimitivesOf<accel::Bvh<P, accel::Wide>> {
+  using Type = P;
+  using Brute = accel::BruteForce<P>;
+};
+
 }  // namespace treeline::test

@@ -1,0 +1,334 @@
+// Searches of the wide tree over points.
+//
+// Nearest first: a node costs one pass over its 16 boxes; the distances carry the number of their lane in the
+// last four bits, so that one minimum names both the next child and how near it is. The way to the first
+// leaf has no branch but its length. Siblings wait in one vector a level and are compared anew, when their
+// turn comes, with what has been found by then. Box and point distances are computed by the same operations
+// in the same order, all monotone under rounding (see point_set.hpp), so no true neighbour is ever cut off.
+// What waits within the limit is prefetched: leaves of a million points miss the caches, and their latencies
+// then overlap.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <vector>
+
+#include "accel/bvh/wide_layout.hpp"
+#include "accel/simd/sorted_keys.hpp"
+
+namespace treeline::accel::wide {
+
+using simd::Floats16;
+using simd::Ints16;
+
+/// Coordinates of a query, each in all lanes.
+template <int D>
+struct Query {
+  Floats16 x[D];
+  explicit Query(const geometry::Vec<float, D>& p) {
+    for (int a = 0; a < D; ++a) x[a] = Floats16::broadcast(p[a]);
+  }
+};
+
+template <int D>
+Floats16 distances(const Leaf<D>& leaf, const Query<D>& q) {
+  Floats16 d = Floats16::load(leaf.x[0]) - q.x[0];
+  Floats16 sum = d * d;
+  for (int a = 1; a < D; ++a) {
+    d = Floats16::load(leaf.x[a]) - q.x[a];
+    sum = sum + d * d;
+  }
+  return sum;
+}
+
+/// NaN for absent boxes: max() keeps its second argument's.
+template <int D>
+Floats16 distances(const Node<D>& node, const Query<D>& q) {
+  const Floats16 zero = Floats16::broadcast(0);
+  Floats16 sum;
+  for (int a = 0; a < D; ++a) {
+    const Floats16 right = q.x[a] - Floats16::load(node.high[a]), left = Floats16::load(node.low[a]) - q.x[a];
+    const Floats16 d = simd::max(zero, simd::max(right, left));
+    sum = a == 0 ? d * d : sum + d * d;
+  }
+  return sum;
+}
+
+template <class T>
+void prefetch(const T* object, std::size_t bytes = sizeof(T)) {
+  for (std::size_t i = 0; i < bytes; i += 64) __builtin_prefetch(reinterpret_cast<const char*>(object) + i);
+}
+/// Children of node number `at` of a level, those whose bits are set.
+template <int D>
+void prefetch_children(const Tree<D>& tree, int level, std::size_t at, std::uint32_t bits) {
+  for (; bits != 0; bits &= bits - 1) {
+    const std::size_t child = at * lanes + static_cast<std::size_t>(std::countr_zero(bits));
+    if (level == 1)
+      prefetch(&tree.leaves[child]);
+    else
+      prefetch(&tree.level(level - 1)[child], offsetof(Node<D>, first_id));
+  }
+}
+
+inline constexpr float infinity = std::numeric_limits<float>::infinity();
+inline std::int32_t bits_of(float x) { return std::bit_cast<std::int32_t>(x); }
+
+// ---- what a search for the k nearest collects ----------------------------------------------------------
+//
+// `limit` is the squared distance, as bits, beyond which a box cannot matter.
+
+/// One neighbour: the least key, found without a branch.
+class NearestOne {
+ public:
+  explicit NearestOne(std::size_t, float within) : best_(simd::key_of(within, no_id)) {}
+  std::int32_t limit() const { return simd::distance_bits(best_); }
+  Id last_id() const { return simd::id_of(best_); }
+  void take(const Floats16& distance2, const Id* ids) {
+    best_ = std::min(best_, simd::smallest_key(distance2, ids));
+  }
+  void write(std::span<Neighbor<float>> out) const { out[0] = simd::neighbor_of(best_); }
+
+ private:
+  double best_;
+};
+
+/// Keys: SortedKeys<8 … 32> or LongKeys.
+template <class Keys>
+class NearestFew {
+ public:
+  NearestFew(std::size_t k, float within) : keys_(k, within), limit_(Floats16::broadcast(within)) {}
+  std::int32_t limit() const { return simd::distance_bits(keys_.last()); }
+  Id last_id() const { return simd::id_of(keys_.last()); }
+  void take(const Floats16& distance2, const Id* ids) {
+    std::uint32_t near = simd::bits_le(distance2, limit_);
+    if (near == 0) return;
+    alignas(64) float d[lanes];
+    distance2.store(d);
+    do {
+      const int i = std::countr_zero(near);
+      near &= near - 1;
+      keys_.insert(simd::key_of(d[i], ids[i]));
+    } while (near != 0);
+    limit_ = Floats16::broadcast(std::bit_cast<float>(limit()));
+  }
+  void write(std::span<Neighbor<float>> out) const { keys_.write(out); }
+
+ private:
+  Keys keys_;
+  Floats16 limit_;
+};
+
+/// Any k: a heap of keys with the worst on top.
+class NearestMany {
+ public:
+  NearestMany(std::size_t k, float within) : keys_(k, simd::key_of(within, no_id)) {}
+  std::int32_t limit() const { return simd::distance_bits(keys_.front()); }
+  Id last_id() const { return simd::id_of(keys_.front()); }
+  void take(const Floats16& distance2, const Id* ids) {
+    std::uint32_t near = simd::bits_le(distance2, Floats16::broadcast(std::bit_cast<float>(limit())));
+    if (near == 0) return;
+    alignas(64) float d[lanes];
+    distance2.store(d);
+    for (; near != 0; near &= near - 1) {
+      const int i = std::countr_zero(near);
+      const double key = simd::key_of(d[i], ids[i]);
+      if (key < keys_.front()) replace_worst(key);
+    }
+  }
+  void write(std::span<Neighbor<float>> out) {
+    std::sort(keys_.begin(), keys_.end());
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = simd::neighbor_of(keys_[i]);
+  }
+
+ private:
+  void replace_worst(double key) {
+    std::size_t hole = 0;
+    for (std::size_t child; (child = 2 * hole + 1) < keys_.size(); hole = child) {
+      if (child + 1 < keys_.size() && keys_[child] < keys_[child + 1]) ++child;
+      if (!(key < keys_[child])) break;
+      keys_[hole] = keys_[child];
+    }
+    keys_[hole] = key;
+  }
+  std::vector<double> keys_;
+};
+
+// ---- nearest -------------------------------------------------------------------------------------------
+
+/// Where a search stands: at a leaf, with what waits on each level above.
+template <int D>
+struct Path {
+  Ints16 waiting[max_levels + 1];
+  std::size_t at = 0;
+};
+inline constexpr std::int32_t nothing = 0x7fffffff;  // in a lane that waits no more
+
+/// One step towards the nearest leaf, from a node of `level` to its nearest child.
+template <int D, class W>
+void descend(const Tree<D>& tree, const Query<D>& q, int level, Path<D>& path, W& work) {
+  work.node();
+  const Ints16 near = simd::tagged(distances(tree.level(level)[path.at], q));
+  const std::int32_t first = simd::smallest(near);
+  path.waiting[level] = simd::replaced(near, first, nothing);
+  path.at = path.at * lanes + static_cast<std::size_t>(first & simd::lane_mask);
+}
+
+/// Whether a child whose distance has the same upper bits as the limit can hold anything better: it may lie
+/// beyond, or its points may all come later in the order of ids.
+template <int D, class Best>
+[[gnu::noinline]] bool matters(const Node<D>& node, const Query<D>& q, int lane, const Best& best) {
+  alignas(64) float d[lanes];
+  distances(node, q).store(d);
+  const std::int32_t exact = bits_of(d[lane]);
+  return exact < best.limit() || (exact == best.limit() && node.first_id[lane] < best.last_id());
+}
+
+/// How far an approximate search goes.
+struct Effort {
+  float shrink = 1;  // boxes farther than the limit times this are left out
+  std::size_t leaves = static_cast<std::size_t>(-1);
+};
+
+/// From the first leaf, where `path` leads, to all others that matter.
+template <bool exact, int D, class Best, class W>
+void search(const Tree<D>& tree, const Query<D>& q, Path<D>& path, Best& best, Effort effort, W& work) {
+  const auto limit = [&] {
+    return exact ? best.limit() : bits_of(std::bit_cast<float>(best.limit()) * effort.shrink);
+  };
+  const auto take = [&](std::size_t leaf) {
+    work.node(), work.primitive(lanes);
+    best.take(distances(tree.leaves[leaf], q), tree.leaves[leaf].id);
+  };
+  const auto within = [&](const Ints16& waiting) {
+    return simd::bits_le(waiting, Ints16::broadcast(limit() | simd::lane_mask));
+  };
+  take(path.at);
+  if (tree.top == 0) return;
+  int level = 1;
+  std::size_t at = path.at / lanes;
+  Ints16 waiting = path.waiting[1];
+  prefetch_children(tree, 1, at, within(waiting));
+  std::int32_t next = simd::smallest(waiting);
+  while (true) {
+    if (next > (limit() | simd::lane_mask)) {
+      if (++level > tree.top) return;
+      at /= lanes;
+      waiting = path.waiting[level];
+      next = simd::smallest(waiting);
+      continue;
+    }
+    const std::int32_t here = next;
+    const int lane = here & simd::lane_mask;
+    waiting = simd::replaced(waiting, here, nothing);
+    next = simd::smallest(waiting);  // does not wait for what this child brings
+    if (exact && ((here ^ best.limit()) & ~simd::lane_mask) == 0) [[unlikely]]
+      if (!matters(tree.level(level)[at], q, lane, best)) continue;
+    const std::size_t child = at * lanes + static_cast<std::size_t>(lane);
+    if (level == 1) {
+      if (!exact && --effort.leaves == 0) return;
+      take(child);
+      continue;
+    }
+    path.waiting[level--] = waiting;
+    at = child;
+    work.node();
+    waiting = simd::tagged(distances(tree.level(level)[at], q));
+    next = simd::smallest(waiting);
+    prefetch_children(tree, level, at, within(waiting));
+  }
+}
+
+// ---- all within a limit --------------------------------------------------------------------------------
+
+/// Calls leaf(number) for each leaf, and all(first, last) for each run of leaves below a child that
+/// `classify` finds wholly inside. classify(node) gives the children to visit and those wholly inside, as
+/// bits.
+struct Classified {
+  std::uint32_t visit = 0, inside = 0;
+};
+template <int D, class Classify, class LeafFunction, class AllFunction, class W>
+void visit(const Tree<D>& tree, Classify&& classify, LeafFunction&& leaf, AllFunction&& all, W& work) {
+  if (tree.top == 0) return work.node(), leaf(std::size_t{0});
+  std::uint32_t waiting[max_levels + 1];
+  int level = tree.top;
+  std::size_t at = 0;
+  const auto enter = [&] {
+    work.node();
+    const Classified c = classify(tree.level(level)[at]);
+    for (std::uint32_t bits = c.inside; bits != 0; bits &= bits - 1) {
+      const std::size_t child = at * lanes + static_cast<std::size_t>(std::countr_zero(bits));
+      std::size_t size = 1;  // leaves of a full child
+      for (int l = 1; l < level; ++l) size *= lanes;
+      all(child * size, std::min((child + 1) * size, tree.leaves.size()));
+    }
+    waiting[level] = c.visit & ~c.inside;
+    prefetch_children(tree, level, at, waiting[level]);
+  };
+  enter();
+  while (true) {
+    if (waiting[level] == 0) {
+      if (++level > tree.top) return;
+      at /= lanes;
+      continue;
+    }
+    const int lane = std::countr_zero(waiting[level]);
+    waiting[level] &= waiting[level] - 1;
+    const std::size_t child = at * lanes + static_cast<std::size_t>(lane);
+    if (level == 1) {
+      work.node();
+      leaf(child);
+      continue;
+    }
+    --level, at = child;
+    enter();
+  }
+}
+
+/// Children of a node that meet a closed box, and those that lie in it.
+template <int D>
+Classified classify(const Node<D>& node, const geometry::Box<float, D>& box) {
+  Classified c{0xffff, 0xffff};
+  for (int a = 0; a < D; ++a) {
+    const Floats16 low = Floats16::load(node.low[a]), high = Floats16::load(node.high[a]);
+    const Floats16 from = Floats16::broadcast(box.low[a]), to = Floats16::broadcast(box.high[a]);
+    c.visit &= simd::bits_le(low, to) & simd::bits_le(from, high);
+    c.inside &= simd::bits_le(from, low) & simd::bits_le(high, to);
+  }
+  return c;
+}
+/// Points of a leaf in a closed box; absent ones have coordinates no finite box reaches.
+template <int D>
+std::uint32_t points_inside(const Leaf<D>& leaf, const geometry::Box<float, D>& box) {
+  std::uint32_t in = 0xffff;
+  for (int a = 0; a < D; ++a) {
+    const Floats16 x = Floats16::load(leaf.x[a]);
+    in &= simd::bits_le(Floats16::broadcast(box.low[a]), x) &
+          simd::bits_le(x, Floats16::broadcast(box.high[a]));
+  }
+  return in;
+}
+
+/// Gathers items in a small buffer, so that a vector grows by runs and not one by one.
+template <class Item>
+class Appender {
+ public:
+  explicit Appender(std::vector<Item>& out) : out_(out) {}
+  ~Appender() { flush(); }
+  Appender(const Appender&) = delete;
+  Appender& operator=(const Appender&) = delete;
+  /// Room for 16 more; call taken(n) for those written.
+  Item* room() {
+    if (count_ + lanes > size) flush();
+    return buffer_ + count_;
+  }
+  void taken(std::size_t n) { count_ += n; }
+
+ private:
+  static constexpr std::size_t size = 256;
+  void flush() { out_.insert(out_.end(), buffer_, buffer_ + count_), count_ = 0; }
+  std::vector<Item>& out_;
+  std::size_t count_ = 0;
+  Item buffer_[size];
+};
+
+}  // namespace treeline::accel::wide
