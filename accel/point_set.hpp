@@ -11,6 +11,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <span>
 #include <string>
@@ -149,9 +150,10 @@ struct PointSet {
     if (points.size() > largest_size)
       throw InvalidInput(std::to_string(points.size()) + " points; at most " + std::to_string(largest_size) +
                          " can be indexed");
+    Magnitudes all = magnitudes(points);
     entries.reserve(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!geometry::is_finite(points[i])) {
+      if (!all.finite && !geometry::is_finite(points[i])) {
         if (options.non_finite == NonFinite::refuse)
           throw InvalidInput("point " + std::to_string(i) + " has a coordinate that is not finite");
         ++dropped;
@@ -160,12 +162,12 @@ struct PointSet {
       entries.push_back({points[i], static_cast<Id>(i)});
     }
     if (dropped > 0) entries.shrink_to_fit();
-    choose_scale();
-    const T small = std::ldexp(T(1), small_exponent<T>);
-    for (auto& e : entries) {
-      e.point = e.point * scale, box.grow(e.point);
-      for (int a = 0; a < D; ++a) has_small |= e.point[a] != T(0) && std::abs(e.point[a]) < small;
-    }
+    if (!all.finite) all = magnitudes_kept();
+    choose_scale(all);
+    if (scale != T(1))
+      for (auto& e : entries) e.point = e.point * scale;
+    for (const auto& e : entries) box.grow(e.point);
+    has_small = all.smallest * scale < std::ldexp(T(1), small_exponent<T>);
   }
 
   std::size_t bytes() const { return entries.capacity() * sizeof(PointEntry<T, D>); }
@@ -226,18 +228,53 @@ struct PointSet {
   }
 
  private:
-  void choose_scale() {
+  /// Zeros do not count. Infinite and NaN coordinates do, if there are any.
+  struct Magnitudes {
+    T largest = 0, smallest = std::numeric_limits<T>::max();
+    bool finite = true;
+  };
+  /// By the bits of the coordinates, whose order is theirs: reductions of integers vectorise.
+  static Magnitudes magnitudes(std::span<const Point> points) {
+    using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+    static_assert(sizeof(Point) == D * sizeof(T));
+    const T* x = points.empty() ? nullptr : points.data()->v;
+    Bits largest = 0, smallest_less_one = static_cast<Bits>(-1);
+    for (std::size_t i = 0; i < points.size() * D; ++i) {
+      const Bits magnitude = std::bit_cast<Bits>(x[i]) & (static_cast<Bits>(-1) >> 1);
+      largest = std::max(largest, magnitude);
+      smallest_less_one =
+          std::min(smallest_less_one, static_cast<Bits>(magnitude - 1));  // 0 becomes the last
+    }
+    Magnitudes all;
+    all.finite = largest < std::bit_cast<Bits>(std::numeric_limits<T>::infinity());
+    if (largest > 0) {
+      all.largest = std::bit_cast<T>(largest);
+      all.smallest = std::bit_cast<T>(static_cast<Bits>(smallest_less_one + 1));
+    }
+    return all;
+  }
+
+  /// Of those that were not dropped.
+  Magnitudes magnitudes_kept() const {
+    Magnitudes all;
+    for (const auto& e : entries)
+      for (int a = 0; a < D; ++a)
+        if (const T x = std::abs(e.point[a]); x > 0)
+          all.largest = std::max(all.largest, x), all.smallest = std::min(all.smallest, x);
+    return all;
+  }
+
+  void choose_scale(const Magnitudes& all) {
     using Limits = std::numeric_limits<T>;
     constexpr int high = Limits::max_exponent / 2 - Limits::digits;  // queries may lie 2^digits times farther
     constexpr int low = Limits::min_exponent / 2 + 2 * Limits::digits;  // gaps may be 2^-2digits of the whole
-    const auto [typical, largest, smallest] = magnitudes();
-    if (largest == 0) return;
-    const int exponent = std::ilogb(typical), highest = std::ilogb(largest);
+    if (all.largest == 0) return;
+    const int exponent = std::ilogb(typical_magnitude(all.largest)), highest = std::ilogb(all.largest);
     int shift = 0;
     if (exponent < low || exponent > high) {
       shift = std::clamp(-exponent, 8 - Limits::max_exponent, Limits::max_exponent - 2);  // both ways normal
       // Small coordinates keep their digits as far as typical squares stay finite.
-      const int least = Limits::min_exponent - 1 - std::ilogb(smallest);
+      const int least = Limits::min_exponent - 1 - std::ilogb(all.smallest);
       if (shift < 0)
         shift = std::min(std::max(shift, least), std::max(shift, Limits::max_exponent / 2 - 4 - exponent));
     }
@@ -245,29 +282,18 @@ struct PointSet {
     scale = std::ldexp(T(1), shift), inverse_scale = std::ldexp(T(1), -shift);
   }
 
-  struct Magnitudes {
-    T typical, largest, smallest;
-  };
-  /// Median over a sample, and maximum over all, of the points' largest coordinates; and the smallest
-  /// coordinate. Zeros do not count.
-  Magnitudes magnitudes() const {
+  /// The median over a sample of the points' largest coordinates; zeros do not count.
+  T typical_magnitude(T largest) const {
     std::vector<T> sample;
-    const std::size_t step = entries.size() / 1024 + 1;
-    T largest = 0, smallest = std::numeric_limits<T>::max();
-    for (std::size_t i = 0; i < entries.size(); ++i) {
+    for (std::size_t i = 0; i < entries.size(); i += entries.size() / 1024 + 1) {
       T magnitude = 0;
-      for (int a = 0; a < D; ++a) {
-        const T x = std::abs(entries[i].point[a]);
-        magnitude = std::max(magnitude, x);
-        if (x > 0) smallest = std::min(smallest, x);
-      }
-      largest = std::max(largest, magnitude);
-      if (magnitude > 0 && i % step == 0) sample.push_back(magnitude);
+      for (int a = 0; a < D; ++a) magnitude = std::max(magnitude, std::abs(entries[i].point[a]));
+      if (magnitude > 0) sample.push_back(magnitude);
     }
-    if (sample.empty()) return {largest, largest, smallest};
+    if (sample.empty()) return largest;
     const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
     std::nth_element(sample.begin(), middle, sample.end());
-    return {*middle, largest, smallest};
+    return *middle;
   }
 };
 

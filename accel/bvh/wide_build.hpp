@@ -45,7 +45,7 @@ class Builder {
 
  private:
   static constexpr std::size_t parallel_size = 1 << 15;  // below, a task costs more than it brings
-  static constexpr std::size_t small_size = 128;         // below, ranks are counted
+  static constexpr std::size_t small_size = 64;          // below, ranks are counted
 
   struct Range {
     std::size_t first, size, unit;
@@ -79,30 +79,23 @@ class Builder {
   }
 
   static Box box_of(const Entry* e, std::size_t n) {
+    Box box;
+    std::size_t i = 0;
     if constexpr (sizeof(Entry) == 16) {
-      // Four lanes a step, the id's among them: what it holds as a float matters to no other.
-      using Lanes = float __attribute__((vector_size(16)));
-      const auto lanes_of = [](const Entry& entry) {
-        Lanes v;
-        std::memcpy(&v, &entry, sizeof v);
-        return v;
-      };
-      Lanes low[2] = {lanes_of(e[0]), lanes_of(e[0])}, high[2] = {low[0], low[0]};
-      for (std::size_t i = 0; i + 1 < n; i += 2)
-        for (std::size_t j = 0; j < 2; ++j) {
-          const Lanes v = lanes_of(e[i + j]);
-          low[j] = v < low[j] ? v : low[j], high[j] = v > high[j] ? v : high[j];
-        }
-      Box box;
-      for (int a = 0; a < D; ++a)
-        box.low[a] = std::min(low[0][a], low[1][a]), box.high[a] = std::max(high[0][a], high[1][a]);
-      box.grow(e[n - 1].point);
-      return box;
-    } else {
-      Box box;
-      for (std::size_t i = 0; i < n; ++i) box.grow(e[i].point);
-      return box;
+      // Four points a step, their ids among the lanes: what those hold as floats matters to no other.
+      auto low = simd::Floats16::broadcast(infinity), high = simd::Floats16::broadcast(-infinity);
+      for (; i + 4 <= n; i += 4) {
+        const auto four = simd::Floats16::load(e[i].point.v);
+        low = simd::min(four, low), high = simd::max(four, high);
+      }
+      alignas(64) float lows[lanes], highs[lanes];
+      low.store(lows), high.store(highs);
+      for (int j = 0; j < lanes; ++j)
+        if (const int a = j % 4; a < D)
+          box.low[a] = std::min(box.low[a], lows[j]), box.high[a] = std::max(box.high[a], highs[j]);
     }
+    for (; i < n; ++i) box.grow(e[i].point);
+    return box;
   }
 
   // ---- one split ------------------------------------------------------------------------------------
@@ -115,72 +108,118 @@ class Builder {
     // Each point is written to all three ends, and the end that it belongs to moves on. Together they have
     // taken fewer than n, so the ends in `to` do not meet; those between gather where `from` has been read.
     Entry *below = to, *above = to + n, *between = from;
-    for (std::size_t i = 0; i < n; ++i) {
+    std::size_t i = 0;
+#if TREELINE_SIMD == 512
+    if constexpr (sizeof(Entry) == 16) i = deal_by_four(from, n, axis, low, high, below, above, between);
+#endif
+    for (; i < n; ++i) {
       const Entry e = from[i];
       const bool is_below = e.point[axis]<low, is_above = e.point[axis]> high;
       *below = e, below += is_below;
       above[-1] = e, above -= is_above;
       *between = e, between += !(is_below | is_above);
     }
-    const auto less = [axis](const Entry& a, const Entry& b) { return a.point[axis] < b.point[axis]; };
     Entry* const middle = to + left;
-    if (below <= middle && middle <= above) {
-      if (low < high && below < middle && middle < above)
-        std::nth_element(from, from + (middle - below), between, less);
-      std::copy(from, between, below);
-    } else {  // the sample misled
-      std::copy(from, between, below);
-      if (middle < below)
-        std::nth_element(to, middle, below, less);
-      else
-        std::nth_element(above, middle, to + n, less);
+    const auto less = [axis](const Entry& a, const Entry& b) { return a.point[axis] < b.point[axis]; };
+    if (below < middle && middle < above && low < high) {
+      const auto count = static_cast<std::size_t>(between - from),
+                 rank = static_cast<std::size_t>(middle - below);
+      if (count <= n / 2) return partition(from, below, count, rank, axis);
+      std::nth_element(from, from + rank, between, less);  // many of few values, which no sample tells apart
     }
+    std::copy(from, between, below);
+    if (middle < below)  // the sample misled
+      std::nth_element(to, middle, below, less);
+    else if (middle > above)
+      std::nth_element(above, middle, to + n, less);
   }
+
+#if TREELINE_SIMD == 512
+  /// The same for four points a step; returns how many have been dealt.
+  static std::size_t deal_by_four(Entry* from, std::size_t n, int axis, float low, float high, Entry*& below,
+                                  Entry*& above, Entry*& between) {
+    const __m512i keys = _mm512_add_epi32(
+        _mm512_set1_epi32(axis), _mm512_setr_epi32(0, 4, 8, 12, 0, 4, 8, 12, 0, 4, 8, 12, 0, 4, 8, 12));
+    const __m128 lows = _mm_set1_ps(low), highs = _mm_set1_ps(high);
+    const auto words = [](std::uint32_t points) {
+      return static_cast<__mmask16>(_pdep_u32(points, 0x1111) * 0xf);
+    };
+    std::size_t i = 0;
+    for (; i + 4 <= n; i += 4) {
+      const __m512i four = _mm512_loadu_si512(from + i);
+      const __m128 x = _mm512_maskz_extractf32x4_ps(
+          simd::all8, _mm512_maskz_permutexvar_ps(simd::all16, keys, _mm512_castsi512_ps(four)), 0);
+      const std::uint32_t is_below = _mm_cmp_ps_mask(x, lows, _CMP_LT_OQ),
+                          is_above = _mm_cmp_ps_mask(x, highs, _CMP_GT_OQ);
+      const std::uint32_t is_between = ~(is_below | is_above) & 0xfu;
+      _mm512_storeu_si512(below, _mm512_maskz_compress_epi32(words(is_below), four));
+      below += std::popcount(is_below);
+      const int count = std::popcount(is_above);
+      above -= count;
+      _mm512_mask_storeu_epi32(above, static_cast<__mmask16>((1u << 4 * count) - 1),
+                               _mm512_maskz_compress_epi32(words(is_above), four));
+      _mm512_storeu_si512(between, _mm512_maskz_compress_epi32(words(is_between), four));
+      between += std::popcount(is_between);
+    }
+    return i;
+  }
+#endif
 
   struct Bounds {
     float low, high;
   };
 
-  /// Exactly, by counting for each value how many are not above it.
   static Bounds value_of_rank(const Entry* from, std::size_t n, std::size_t rank, int axis) {
     alignas(64) float x[small_size];
-    const std::size_t padded = (n + lanes - 1) / lanes * lanes;
     for (std::size_t i = 0; i < n; ++i) x[i] = from[i].point[axis];
-    for (std::size_t i = n; i < padded; ++i) x[i] = std::numeric_limits<float>::infinity();
-    float value = std::numeric_limits<float>::infinity();
-    for (std::size_t i = 0; i < n; ++i) {
-      const auto here = simd::Floats16::broadcast(x[i]);
-      std::size_t not_above = 0;
-      for (std::size_t j = 0; j < padded; j += lanes)
-        not_above +=
-            static_cast<std::size_t>(std::popcount(simd::bits_le(simd::Floats16::load(x + j), here)));
-      value = not_above > rank && x[i] < value ? x[i] : value;
+    return values_of_ranks(x, n, rank, rank);
+  }
+
+  /// By counting for each value how many are not above it: quadratic, and the fastest for few. x has room for
+  /// a multiple of 32.
+  static Bounds values_of_ranks(float* x, std::size_t n, std::size_t low, std::size_t high) {
+    std::fill(x + n, x + (n + 2 * lanes - 1) / (2 * lanes) * (2 * lanes), infinity);
+    simd::Floats16 lowest = simd::Floats16::broadcast(infinity), highest = lowest;
+    for (std::size_t i = 0; i < n; i += 2 * lanes) {
+      const simd::Floats16 here[] = {simd::Floats16::load(x + i), simd::Floats16::load(x + i + lanes)};
+      simd::Ints16 count[] = {simd::Ints16::broadcast(0), simd::Ints16::broadcast(0)};
+      for (std::size_t j = 0; j < n; ++j) {
+        const auto other = simd::Floats16::broadcast(x[j]);
+        count[0] = simd::counted_le(count[0], other, here[0]);
+        count[1] = simd::counted_le(count[1], other, here[1]);
+      }
+      for (int half = 0; half < 2; ++half) {
+        lowest =
+            simd::min(lowest, simd::chosen(count[half], static_cast<std::int32_t>(low), here[half], lowest));
+        highest = simd::min(highest,
+                            simd::chosen(count[half], static_cast<std::int32_t>(high), here[half], highest));
+      }
     }
-    return {value, value};
+    return {simd::smallest(lowest), simd::smallest(highest)};
   }
 
   /// From a sample: 2.5 standard deviations of the rank to either side.
   static Bounds bounds_of_rank(const Entry* from, std::size_t n, std::size_t rank, int axis) {
     constexpr std::size_t most = 1024;
-    float x[most];
-    const std::size_t size = std::clamp(n / 16, std::size_t{64}, most), step = n / size;
+    alignas(64) float x[most];
+    const std::size_t size = n >= 32768 ? most : n >= 2048 ? 128 : n >= 256 ? 64 : 32, step = n / size;
     for (std::size_t i = 0; i < size; ++i) x[i] = from[i * step].point[axis];
     const double share = static_cast<double>(rank) / static_cast<double>(n),
                  count = static_cast<double>(size);
     const double margin = 2.5 * std::sqrt(count * share * (1 - share)) + 1;
     const double low = share * count - margin, high = share * count + margin;
-    Bounds bounds{-std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity()};
-    float* end = x + size;
-    if (high < count) {
-      const auto at = x + static_cast<std::size_t>(high);
-      std::nth_element(x, at, end);
-      bounds.high = *at, end = at;
+    const auto at = [&](double r) { return static_cast<std::size_t>(std::clamp(r, 0.0, count - 1)); };
+    Bounds bounds;
+    if (size < most) {
+      bounds = values_of_ranks(x, size, at(low), at(high));
+    } else {
+      std::nth_element(x, x + at(high), x + size);
+      bounds.high = x[at(high)];
+      std::nth_element(x, x + at(low), x + at(high));
+      bounds.low = x[at(low)];
     }
-    if (low >= 0) {
-      const auto at = x + static_cast<std::size_t>(low);
-      std::nth_element(x, at, end);
-      bounds.low = *at;
-    }
+    if (low < 0) bounds.low = -infinity;
+    if (high >= count) bounds.high = infinity;
     return bounds;
   }
 
@@ -194,8 +233,7 @@ class Builder {
       const std::size_t number = (r.first + i) / lanes, count = std::min<std::size_t>(r.size - i, lanes);
       Leaf<D>& leaf = tree_->leaves[number];
       for (std::size_t j = 0; j < lanes; ++j) {
-        for (int a = 0; a < D; ++a)
-          leaf.x[a][j] = j < count ? from[i + j].point[a] : std::numeric_limits<float>::infinity();
+        for (int a = 0; a < D; ++a) leaf.x[a][j] = j < count ? from[i + j].point[a] : infinity;
         leaf.id[j] = j < count ? from[i + j].id : no_id;
       }
       if (tree_->top == 0) continue;

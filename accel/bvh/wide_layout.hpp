@@ -21,6 +21,7 @@
 namespace treeline::accel::wide {
 
 inline constexpr int lanes = simd::lanes;
+inline constexpr float infinity = std::numeric_limits<float>::infinity();
 inline constexpr int max_levels = 8;  // 16^8 leaves are more than ids can number
 
 template <int D>

@@ -70,7 +70,6 @@ void prefetch_children(const Tree<D>& tree, int level, std::size_t at, std::uint
   }
 }
 
-inline constexpr float infinity = std::numeric_limits<float>::infinity();
 inline std::int32_t bits_of(float x) { return std::bit_cast<std::int32_t>(x); }
 
 // ---- what a search for the k nearest collects ----------------------------------------------------------
@@ -80,6 +79,7 @@ inline std::int32_t bits_of(float x) { return std::bit_cast<std::int32_t>(x); }
 /// One neighbour: the least key, found without a branch.
 class NearestOne {
  public:
+  static constexpr int prefetched = 0;
   explicit NearestOne(std::size_t, float within) : best_(simd::key_of(within, no_id)) {}
   std::int32_t limit() const { return simd::distance_bits(best_); }
   Id last_id() const { return simd::id_of(best_); }
@@ -96,6 +96,7 @@ class NearestOne {
 template <class Keys>
 class NearestFew {
  public:
+  static constexpr int prefetched = 2;
   NearestFew(std::size_t k, float within) : keys_(k, within), limit_(Floats16::broadcast(within)) {}
   std::int32_t limit() const { return simd::distance_bits(keys_.last()); }
   Id last_id() const { return simd::id_of(keys_.last()); }
@@ -121,6 +122,7 @@ class NearestFew {
 /// Any k: a heap of keys with the worst on top.
 class NearestMany {
  public:
+  static constexpr int prefetched = 2;
   NearestMany(std::size_t k, float within) : keys_(k, simd::key_of(within, no_id)) {}
   std::int32_t limit() const { return simd::distance_bits(keys_.front()); }
   Id last_id() const { return simd::id_of(keys_.front()); }
@@ -165,7 +167,8 @@ inline constexpr std::int32_t nothing = 0x7fffffff;  // in a lane that waits no 
 
 /// One step towards the nearest leaf, from a node of `level` to its nearest child.
 template <int D, class W>
-void descend(const Tree<D>& tree, const Query<D>& q, int level, Path<D>& path, W& work) {
+[[gnu::always_inline]] inline void descend(const Tree<D>& tree, const Query<D>& q, int level, Path<D>& path,
+                                           W& work) {
   work.node();
   const Ints16 near = simd::tagged(distances(tree.level(level)[path.at], q));
   const std::int32_t first = simd::smallest(near);
@@ -191,7 +194,8 @@ struct Effort {
 
 /// From the first leaf, where `path` leads, to all others that matter.
 template <bool exact, int D, class Best, class W>
-void search(const Tree<D>& tree, const Query<D>& q, Path<D>& path, Best& best, Effort effort, W& work) {
+[[gnu::always_inline]] inline void search(const Tree<D>& tree, const Query<D>& q, Path<D>& path, Best& best,
+                                          Effort effort, W& work) {
   const auto limit = [&] {
     return exact ? best.limit() : bits_of(std::bit_cast<float>(best.limit()) * effort.shrink);
   };
@@ -202,13 +206,23 @@ void search(const Tree<D>& tree, const Query<D>& q, Path<D>& path, Best& best, E
   const auto within = [&](const Ints16& waiting) {
     return simd::bits_le(waiting, Ints16::broadcast(limit() | simd::lane_mask));
   };
-  take(path.at);
-  if (tree.top == 0) return;
+  if (tree.top == 0) return take(path.at);
   int level = 1;
   std::size_t at = path.at / lanes;
   Ints16 waiting = path.waiting[1];
-  prefetch_children(tree, 1, at, within(waiting));
   std::int32_t next = simd::smallest(waiting);
+  if constexpr (Best::prefetched > 0) {
+    Ints16 w = waiting;
+    std::int32_t n = next;
+    for (int i = 0; i < Best::prefetched; ++i) {
+      prefetch(&tree.leaves[std::min(at * lanes + static_cast<std::size_t>(n & simd::lane_mask),
+                                     tree.leaves.size() - 1)]);
+      w = simd::replaced(w, n, nothing), n = simd::smallest(w);
+    }
+  }
+  take(path.at);
+  prefetch_children(tree, 1, at, within(waiting));
+  for (int l = 2; l <= tree.top; ++l) prefetch_children(tree, l, path.at >> (4 * l), within(path.waiting[l]));
   while (true) {
     if (next > (limit() | simd::lane_mask)) {
       if (++level > tree.top) return;

@@ -80,10 +80,25 @@ struct Ints16 {
 inline Ints16 as_ints(const Floats16& a) {
   return Ints16::each([&](int i) { return simd::as_ints(a.r[i]); });
 }
+/// count + 1 in the lanes where a <= b.
+inline Ints16 counted_le(const Ints16& count, const Floats16& a, const Floats16& b) {
+  return Ints16::each([&](int i) { return simd::counted_le(count.r[i], a.r[i], b.r[i]); });
+}
+/// a in the lanes where count > limit, else b.
+inline Floats16 chosen(const Ints16& count, std::int32_t limit, const Floats16& a, const Floats16& b) {
+  return Floats16::each([&](int i) { return simd::chosen(count.r[i], limit, a.r[i], b.r[i]); });
+}
 inline std::uint32_t bits_le(const Ints16& a, const Ints16& b) {
   std::uint32_t bits = 0;
   for (int i = 0; i < Ints16::regs; ++i) bits |= bits_le(a.r[i], b.r[i]) << (i * float_width);
   return bits;
+}
+inline float smallest(const Floats16& a) {
+  alignas(64) float x[lanes];
+  a.store(x);
+  for (int half = lanes / 2; half > 0; half /= 2)
+    for (int i = 0; i < half; ++i) x[i] = x[i + half] < x[i] ? x[i + half] : x[i];
+  return x[0];
 }
 inline std::int32_t smallest(const Ints16& a) {
   IntReg m = a.r[0];

@@ -82,6 +82,14 @@ inline FloatReg max(FloatReg a, FloatReg b) { return _mm512_maskz_max_ps(all16, 
 inline FloatReg min(FloatReg a, FloatReg b) { return _mm512_maskz_min_ps(all16, a, b); }
 inline std::uint32_t bits_le(FloatReg a, FloatReg b) { return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ); }
 inline IntReg as_ints(FloatReg a) { return _mm512_castps_si512(a); }
+/// count + 1 in the lanes where a <= b.
+inline IntReg counted_le(IntReg count, FloatReg a, FloatReg b) {
+  return _mm512_mask_add_epi32(count, _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ), count, _mm512_set1_epi32(1));
+}
+/// a in the lanes where count > limit, else b.
+inline FloatReg chosen(IntReg count, std::int32_t limit, FloatReg a, FloatReg b) {
+  return _mm512_mask_blend_ps(_mm512_cmpgt_epi32_mask(count, _mm512_set1_epi32(limit)), b, a);
+}
 
 inline IntReg load(const std::int32_t* p) { return _mm512_loadu_si512(p); }
 inline void store(std::int32_t* p, IntReg a) { _mm512_storeu_si512(p, a); }
@@ -143,6 +151,12 @@ inline std::uint32_t bits_le(FloatReg a, FloatReg b) {
   return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LE_OQ)));
 }
 inline IntReg as_ints(FloatReg a) { return _mm256_castps_si256(a); }
+inline IntReg counted_le(IntReg count, FloatReg a, FloatReg b) {
+  return _mm256_sub_epi32(count, _mm256_castps_si256(_mm256_cmp_ps(a, b, _CMP_LE_OQ)));
+}
+inline FloatReg chosen(IntReg count, std::int32_t limit, FloatReg a, FloatReg b) {
+  return _mm256_blendv_ps(b, a, _mm256_castsi256_ps(_mm256_cmpgt_epi32(count, _mm256_set1_epi32(limit))));
+}
 
 inline IntReg load(const std::int32_t* p) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p)); }
 inline void store(std::int32_t* p, IntReg a) { _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), a); }
@@ -199,6 +213,12 @@ inline std::uint32_t bits_le(FloatReg a, FloatReg b) {
   return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_cmple_ps(a, b)));
 }
 inline IntReg as_ints(FloatReg a) { return _mm_castps_si128(a); }
+inline IntReg counted_le(IntReg count, FloatReg a, FloatReg b) {
+  return _mm_sub_epi32(count, _mm_castps_si128(_mm_cmple_ps(a, b)));
+}
+inline FloatReg chosen(IntReg count, std::int32_t limit, FloatReg a, FloatReg b) {
+  return _mm_blendv_ps(b, a, _mm_castsi128_ps(_mm_cmpgt_epi32(count, _mm_set1_epi32(limit))));
+}
 
 inline IntReg load(const std::int32_t* p) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(p)); }
 inline void store(std::int32_t* p, IntReg a) { _mm_storeu_si128(reinterpret_cast<__m128i*>(p), a); }
@@ -260,6 +280,10 @@ inline FloatReg max(FloatReg a, FloatReg b) { return a > b ? a : b; }
 inline FloatReg min(FloatReg a, FloatReg b) { return a < b ? a : b; }
 inline std::uint32_t bits_le(FloatReg a, FloatReg b) { return bits_set(a <= b); }
 inline IntReg as_ints(FloatReg a) { return reinterpret_cast<IntReg>(a); }
+inline IntReg counted_le(IntReg count, FloatReg a, FloatReg b) { return count - (a <= b); }
+inline FloatReg chosen(IntReg count, std::int32_t limit, FloatReg a, FloatReg b) {
+  return count > IntReg{limit, limit, limit, limit} ? a : b;
+}
 
 inline IntReg load(const std::int32_t* p) { return load_generic<IntReg>(p); }
 inline void store(std::int32_t* p, IntReg a) { std::memcpy(p, &a, sizeof a); }
