@@ -78,15 +78,15 @@ struct BuildOptions {
 };
 
 struct TreeStats {
-  std::size_t primitives = 0;   ///< kept in the tree
-  std::size_t dropped = 0;      ///< left out because not finite
-  std::size_t references = 0;   ///< primitive references over all leaves (≥ primitives where trees duplicate)
+  std::size_t primitives = 0;  ///< kept in the tree
+  std::size_t dropped = 0;     ///< left out because not finite
+  std::size_t references = 0;  ///< primitive references over all leaves (≥ primitives where trees duplicate)
   std::size_t inner_nodes = 0;
   std::size_t leaves = 0;
-  std::size_t depth = 0;        ///< edges from the root to the deepest leaf
+  std::size_t depth = 0;  ///< edges from the root to the deepest leaf
   std::size_t largest_leaf = 0;
-  std::size_t bytes = 0;        ///< memory held by the tree
-  double sah_cost = 0;          ///< expected cost of a random line: node step 1, primitive test 1; 0 where undefined
+  std::size_t bytes = 0;  ///< memory held by the tree
+  double sah_cost = 0;  ///< expected cost of a random line: node step 1, primitive test 1; 0 where undefined
 
   std::size_t node_count() const { return inner_nodes + leaves; }
 };
@@ -130,6 +130,23 @@ struct Neighbor {
   constexpr bool operator==(const Neighbor&) const = default;
 };
 
+/// How far a search for the nearest goes. Approximate searches err to one side only: what they return is
+/// real, but something nearer may be missing.
+template <class T>
+struct NearestOptions {
+  T max_distance = std::numeric_limits<T>::infinity();  ///< nothing farther is returned; inclusive
+  double epsilon = 0;  ///< the i-th distance is at most (1 + epsilon) times the true i-th, up to rounding
+  std::size_t max_leaves =
+      static_cast<std::size_t>(-1);  ///< leaves measured, at least 1; no bound on the error
+
+  bool exact() const { return epsilon == 0 && max_leaves == static_cast<std::size_t>(-1); }
+};
+
+struct WithinOptions {
+  bool sorted = false;                                 ///< nearest first, ties by lower id
+  std::size_t at_most = static_cast<std::size_t>(-1);  ///< only the nearest so many (sorted, then)
+};
+
 /// Variable-length answers of a batch: those of query i are items[offsets[i]] … items[offsets[i + 1] - 1].
 template <class Item>
 struct Lists {
@@ -168,37 +185,40 @@ struct ClosestPoint {
 
 // ---- the four surfaces ---------------------------------------------------------------------------------
 //
-// Batches take `threads`: the number of threads that share the batch (at least 1). Answers do not depend on it.
+// Batches take `threads`: the number of threads that share the batch (at least 1). Answers do not depend on
+// it.
 
 /// Neighbours of a point among points.
-/// nearest: the k nearest, nearest first, ties by lower id; writes min(k, size) of them to out (which must hold
+/// nearest: the k nearest, nearest first, ties by lower id; writes min(k, size) of them to out (which must
+/// hold
 ///   as many) and returns how many. The batch writes k per query, padding with no_id and infinite distance.
 /// within: all at a distance ≤ radius, in no particular order. inside: ids of all in the closed box.
 /// All throw InvalidInput for k = 0, a negative or NaN radius, a query that is not finite, or a box with NaN.
 template <class I>
-concept NeighborIndex =
-    requires(const I& index, const typename I::Point& q, const typename I::Box& box, typename I::Scalar radius,
-             std::size_t k, std::span<Neighbor<typename I::Scalar>> out,
-             std::vector<Neighbor<typename I::Scalar>>& list, std::vector<Id>& ids,
-             std::span<const typename I::Point> queries, std::span<const typename I::Box> boxes,
-             Lists<Neighbor<typename I::Scalar>>& lists, Lists<Id>& id_lists, int threads, Work& work) {
-      { index.nearest(q, k, out) } -> std::same_as<std::size_t>;
-      { index.nearest(q, k, out, work) } -> std::same_as<std::size_t>;
-      index.within(q, radius, list);
-      index.within(q, radius, list, work);
-      index.inside(box, ids);
-      index.inside(box, ids, work);
-      index.nearest(queries, k, out, threads);
-      index.within(queries, radius, lists, threads);
-      index.inside(boxes, id_lists, threads);
-    };
+concept NeighborIndex = requires(const I& index, const typename I::Point& q, const typename I::Box& box,
+                                 typename I::Scalar radius, std::size_t k,
+                                 std::span<Neighbor<typename I::Scalar>> out,
+                                 std::vector<Neighbor<typename I::Scalar>>& list, std::vector<Id>& ids,
+                                 std::span<const typename I::Point> queries,
+                                 std::span<const typename I::Box> boxes,
+                                 Lists<Neighbor<typename I::Scalar>>& lists, Lists<Id>& id_lists, int threads,
+                                 Work& work) {
+  { index.nearest(q, k, out) } -> std::same_as<std::size_t>;
+  { index.nearest(q, k, out, work) } -> std::same_as<std::size_t>;
+  index.within(q, radius, list);
+  index.within(q, radius, list, work);
+  index.inside(box, ids);
+  index.inside(box, ids, work);
+  index.nearest(queries, k, out, threads);
+  index.within(queries, radius, lists, threads);
+  index.inside(boxes, id_lists, threads);
+};
 
 /// Rays against triangles; triangles are closed sets and hit from both sides.
 /// closest_hit: the hit of smallest t in [t_min, t_max] (ties: lower id). any_hit: whether there is one.
 /// All throw InvalidInput for a ray with a NaN, an infinite origin or direction, or a zero direction.
 template <class I>
-concept RayIndex = requires(const I& index, const typename I::Ray& ray,
-                            std::span<const typename I::Ray> rays,
+concept RayIndex = requires(const I& index, const typename I::Ray& ray, std::span<const typename I::Ray> rays,
                             std::span<Hit<typename I::Scalar>> hits, std::span<std::uint8_t> any, int threads,
                             Work& work) {
   { index.closest_hit(ray) } -> std::same_as<Hit<typename I::Scalar>>;
@@ -211,20 +231,23 @@ concept RayIndex = requires(const I& index, const typename I::Ray& ray,
 
 /// The nearest point of a set of triangles, if at a distance ≤ max_distance.
 template <class I>
-concept ClosestPointIndex = requires(const I& index, const typename I::Point& q, typename I::Scalar max_distance,
+concept ClosestPointIndex = requires(const I& index, const typename I::Point& q,
+                                     typename I::Scalar max_distance,
                                      std::span<const typename I::Point> queries,
-                                     std::span<ClosestPoint<typename I::Scalar>> out, int threads, Work& work) {
+                                     std::span<ClosestPoint<typename I::Scalar>> out, int threads,
+                                     Work& work) {
   { index.closest_point(q) } -> std::same_as<ClosestPoint<typename I::Scalar>>;
   { index.closest_point(q, max_distance) } -> std::same_as<ClosestPoint<typename I::Scalar>>;
   { index.closest_point(q, max_distance, work) } -> std::same_as<ClosestPoint<typename I::Scalar>>;
   index.closest_point(queries, max_distance, out, threads);
 };
 
-/// Whether a point lies inside a closed, consistently oriented mesh (its surface included as far as the scalar
-/// type can tell). What it answers for an open mesh is unspecified, but it answers.
+/// Whether a point lies inside a closed, consistently oriented mesh (its surface included as far as the
+/// scalar type can tell). What it answers for an open mesh is unspecified, but it answers.
 template <class I>
-concept VolumeIndex = requires(const I& index, const typename I::Point& q, std::span<const typename I::Point> queries,
-                               std::span<std::uint8_t> out, int threads) {
+concept VolumeIndex = requires(const I& index, const typename I::Point& q,
+                               std::span<const typename I::Point> queries, std::span<std::uint8_t> out,
+                               int threads) {
   { index.contains(q) } -> std::same_as<bool>;
   index.contains(queries, out, threads);
 };

@@ -15,7 +15,10 @@ template <class T>
 class SortedBest {
  public:
   /// `best` must not be empty; it holds the answer afterwards, nearest first.
-  explicit SortedBest(std::span<Neighbor<T>> best) : best_(best) { std::ranges::fill(best_, Neighbor<T>{}); }
+  /// Places that nothing within `within` takes keep no_id.
+  SortedBest(std::span<Neighbor<T>> best, T within) : best_(best) {
+    std::ranges::fill(best_, Neighbor<T>{within, no_id});
+  }
   T limit() const { return best_.back().distance2; }
   bool offer(T distance2, Id id) {
     const Neighbor<T> candidate{distance2, id};
@@ -37,7 +40,9 @@ class SortedBest {
 template <class T>
 class HeapBest {
  public:
-  explicit HeapBest(std::span<Neighbor<T>> best) : best_(best) { std::ranges::fill(best_, Neighbor<T>{}); }
+  HeapBest(std::span<Neighbor<T>> best, T within) : best_(best) {
+    std::ranges::fill(best_, Neighbor<T>{within, no_id});
+  }
   T limit() const { return best_.front().distance2; }
   bool offer(T distance2, Id id) {
     const Neighbor<T> candidate{distance2, id};
@@ -55,6 +60,33 @@ class HeapBest {
 
  private:
   std::span<Neighbor<T>> best_;
+};
+
+/// Cuts a search short: cells that promise less than the factor's gain, and all once the leaves are used up.
+template <class T, class Best>
+class Hasty {
+ public:
+  Hasty(Best& best, T shrink, std::size_t leaves) : best_(best), shrink_(shrink), leaves_(leaves) {}
+  T limit() const { return leaves_ == 0 ? T(-1) : best_.limit() * shrink_; }
+  bool offer(T distance2, Id id) { return best_.offer(distance2, id); }
+  void enter_leaf() { --leaves_; }
+
+ private:
+  Best& best_;
+  T shrink_;  // of the squared distance
+  std::size_t leaves_;
+};
+
+template <class T>
+class CountWithin {
+ public:
+  explicit CountWithin(T limit) : limit_(limit) {}
+  T limit() const { return limit_; }
+  bool offer(T distance2, Id) { return distance2 <= limit_ && ++count; }
+  std::size_t count = 0;
+
+ private:
+  T limit_;
 };
 
 template <class T>

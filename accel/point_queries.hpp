@@ -18,6 +18,15 @@
 
 namespace treeline::accel {
 
+/// NearestOptions in scaled and squared terms.
+template <class T>
+struct SearchLimits {
+  T within = std::numeric_limits<T>::infinity();
+  T shrink = 1;  // cells farther than the worst found so far times this are left out
+  std::size_t leaves = static_cast<std::size_t>(-1);
+  bool exact = true;
+};
+
 template <class Tree, class T, int D>
 class PointQueries {
  public:
@@ -35,12 +44,23 @@ class PointQueries {
   }
   template <WorkCounter W>
   std::size_t nearest(const Point& q, std::size_t k, std::span<Neighbor<T>> out, W& work) const {
+    return nearest(q, k, NearestOptions<T>{}, out, work);
+  }
+  /// Those that the options leave; returns how many.
+  std::size_t nearest(const Point& q, std::size_t k, const NearestOptions<T>& options,
+                      std::span<Neighbor<T>> out) const {
+    NoWork work;
+    return nearest(q, k, options, out, work);
+  }
+  template <WorkCounter W>
+  std::size_t nearest(const Point& q, std::size_t k, const NearestOptions<T>& options,
+                      std::span<Neighbor<T>> out, W& work) const {
     check_k(k);
+    check_options(options);
     check_query(q, "query");
     const std::size_t m = std::min(k, size());
     check_room(out.size(), m);
-    find_nearest(q, out.first(m), work);
-    return m;
+    return find_nearest(q, options, out.first(m), work);
   }
   void within(const Point& q, T radius, std::vector<Neighbor<T>>& out) const {
     NoWork work;
@@ -52,6 +72,43 @@ class PointQueries {
     check_query(q, "query");
     out.clear();
     append_within(q, radius, out, work);
+  }
+  void within(const Point& q, T radius, const WithinOptions& options, std::vector<Neighbor<T>>& out) const {
+    within(q, radius, out);
+    if (out.size() > options.at_most) {
+      const auto end = out.begin() + static_cast<std::ptrdiff_t>(options.at_most);
+      std::partial_sort(out.begin(), end, out.end());
+      out.erase(end, out.end());
+    } else if (options.sorted) {
+      std::sort(out.begin(), out.end());
+    }
+  }
+  /// All at a squared distance of at most radius2, as rounded by squared_distance().
+  void within_squared(const Point& q, T radius2, std::vector<Neighbor<T>>& out) const {
+    if (!(radius2 >= 0))
+      throw InvalidInput("radius2 is " + std::to_string(radius2) + "; it must be at least 0");
+    within(q, std::nextafter(std::sqrt(radius2), std::numeric_limits<T>::infinity()), out);
+    std::erase_if(out, [&](const Neighbor<T>& n) { return n.distance2 > radius2; });
+  }
+  std::size_t count_within(const Point& q, T radius) const {
+    check_radius(radius);
+    check_query(q, "query");
+    const T limit = squared_limit(radius);
+    if (size() == 0) return 0;
+    if (std::isinf(radius)) return size();
+    if (vague_limit(limit)) {
+      std::vector<Neighbor<T>> list;
+      within(q, radius, list);
+      return list.size();
+    }
+    if constexpr (Tree::searches_itself) {
+      return tree().count_within_limit(set_.scaled(q), limit);
+    } else {
+      NoWork work;
+      CountWithin<T> counter(limit);
+      tree().visit_near(set_.scaled(q), counter, work);
+      return counter.count;
+    }
   }
   void inside(const Box& box, std::vector<Id>& out) const {
     NoWork work;
@@ -69,7 +126,12 @@ class PointQueries {
   /// The answers of query i are out[i·k] … out[i·k + k - 1].
   void nearest(std::span<const Point> queries, std::size_t k, std::span<Neighbor<T>> out,
                int threads = 1) const {
+    nearest(queries, k, NearestOptions<T>{}, out, threads);
+  }
+  void nearest(std::span<const Point> queries, std::size_t k, const NearestOptions<T>& options,
+               std::span<Neighbor<T>> out, int threads = 1) const {
     check_k(k);
+    check_options(options);
     check_queries(queries);
     if (out.size() / k < queries.size()) {  // the product below may wrap around
       if (queries.size() <= static_cast<std::size_t>(-1) / k) check_room(out.size(), queries.size() * k);
@@ -80,12 +142,12 @@ class PointQueries {
     parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
       NoWork work;
       if constexpr (Tree::searches_itself)
-        if (m == k)
-          return find_nearest_groups(queries.subspan(begin, end - begin), k, out.subspan(begin * k));
+        if (m == k && !ranks_widely(options))
+          return find_nearest_groups(queries.subspan(begin, end - begin), k, options, out.subspan(begin * k));
       for (std::size_t i = begin; i < end; ++i) {
         const auto answers = out.subspan(i * k, k);
-        find_nearest(queries[i], answers.first(m), work);
-        std::ranges::fill(answers.subspan(m), Neighbor<T>{});
+        const std::size_t found = find_nearest(queries[i], options, answers.first(m), work);
+        std::ranges::fill(answers.subspan(found), Neighbor<T>{});
       }
     });
   }
@@ -126,41 +188,59 @@ class PointQueries {
   const Tree& tree() const { return static_cast<const Tree&>(*this); }
 
   template <class W>
-  void find_nearest(const Point& q, std::span<Neighbor<T>> out, W& work) const {
-    if (out.empty()) return;
+  std::size_t find_nearest(const Point& q, const NearestOptions<T>& options, std::span<Neighbor<T>> out,
+                           W& work) const {
+    if (out.empty()) return 0;
+    if (ranks_widely(options)) [[unlikely]]
+      return select_within(q, options.max_distance, out, work);
     const Point scaled = set_.scaled(q);
-    const auto collect = [&](auto best) {
-      tree().visit_near(scaled, best, work);
-      best.finish();
-    };
+    const SearchLimits<T> limits = limits_of(options);
     if constexpr (Tree::searches_itself)
-      tree().search_nearest(scaled, out, work);
+      tree().search_nearest(scaled, limits, out, work);
     else if (out.size() <= SortedBest<T>::largest_k)
-      collect(SortedBest<T>(out));
+      collect(scaled, SortedBest<T>(out, limits.within), limits, work);
     else
-      collect(HeapBest<T>(out));
-    settle(q, scaled, out, work);
+      collect(scaled, HeapBest<T>(out, limits.within), limits, work);
+    return settle(q, scaled, out, work);
+  }
+  template <class Best, class W>
+  void collect(const Point& scaled, Best best, const SearchLimits<T>& limits, W& work) const {
+    if (limits.exact) {
+      tree().visit_near(scaled, best, work);
+    } else {
+      Hasty<T, Best> hasty(best, limits.shrink, limits.leaves);
+      tree().visit_near(scaled, hasty, work);
+    }
+    best.finish();
   }
   /// Several queries at once, so that one computes while others wait for memory.
-  void find_nearest_groups(std::span<const Point> queries, std::size_t k, std::span<Neighbor<T>> out) const {
+  void find_nearest_groups(std::span<const Point> queries, std::size_t k, const NearestOptions<T>& options,
+                           std::span<Neighbor<T>> out) const {
     NoWork work;
+    const SearchLimits<T> limits = limits_of(options);
     Point scaled[Tree::group_size];
     for (std::size_t first = 0; first < queries.size(); first += Tree::group_size) {
       const std::size_t count = std::min(Tree::group_size, queries.size() - first);
       for (std::size_t i = 0; i < count; ++i) scaled[i] = set_.scaled(queries[first + i]);
       const auto answers = out.subspan(first * k, count * k);
-      tree().search_nearest_group(std::span<const Point>(scaled, count), k, answers);
+      tree().search_nearest_group(std::span<const Point>(scaled, count), k, limits, answers);
       for (std::size_t i = 0; i < count; ++i)
         settle(queries[first + i], scaled[i], answers.subspan(i * k, k), work);
     }
   }
-  /// From scaled distances to true ones.
+  /// From scaled distances to true ones, and from places not taken to empty ones; returns how many were
+  /// taken.
   template <class W>
-  void settle(const Point& q, const Point& scaled, std::span<Neighbor<T>> out, W& work) const {
+  std::size_t settle(const Point& q, const Point& scaled, std::span<Neighbor<T>> out, W& work) const {
+    std::size_t found = out.size();
+    while (found > 0 && out[found - 1].id == no_id) out[--found] = {};
+    out = out.first(found);
+    if (found == 0) return 0;
     if (set_.vague(scaled, out.front().distance2, out.back().distance2)) [[unlikely]]
-      return rank_widely(q, out, work);
-    if (set_.scale != T(1))
+      rank_widely(q, out, work);
+    else if (set_.scale != T(1))
       for (auto& n : out) n.distance2 = set_.unscaled_square(n.distance2);
+    return found;
   }
   /// Those in `out` are the nearest as far as T can tell; among all that T finds as near, the k best.
   template <class W>
@@ -172,13 +252,35 @@ class PointQueries {
     for (std::size_t i = 0; i < out.size(); ++i)
       out[i] = {set_.unscaled_square(near.list[i].distance2), near.list[i].id};
   }
+  T squared_limit(T radius) const {
+    const T scaled_radius = radius * set_.scale;
+    return scaled_radius * scaled_radius;
+  }
+  /// Whether squares say less than the radius itself, if that is finite.
+  bool vague_limit(T limit) const { return limit < set_.vague_square() || std::isinf(limit); }
+  bool ranks_widely(const NearestOptions<T>& options) const {
+    return !std::isinf(options.max_distance) && vague_limit(squared_limit(options.max_distance));
+  }
+  SearchLimits<T> limits_of(const NearestOptions<T>& options) const {
+    const double stretch = 1 + options.epsilon;
+    return {squared_limit(options.max_distance), static_cast<T>(1 / (stretch * stretch)), options.max_leaves,
+            options.exact()};
+  }
+  template <class W>
+  std::size_t select_within(const Point& q, T radius, std::span<Neighbor<T>> out, W& work) const {
+    std::vector<Neighbor<T>> list;
+    append_within(q, radius, list, work);
+    const std::size_t found = std::min(out.size(), list.size());
+    std::partial_sort_copy(list.begin(), list.end(), out.begin(),
+                           out.begin() + static_cast<std::ptrdiff_t>(found));
+    return found;
+  }
   template <class W>
   void append_within(const Point& q, T radius, std::vector<Neighbor<T>>& out, W& work) const {
     if (size() == 0) return;
     const std::size_t before = out.size();
-    const T scaled_radius = radius * set_.scale;
-    const T limit = scaled_radius * scaled_radius;
-    if (limit < set_.vague_square() || (std::isinf(limit) && !std::isinf(radius))) [[unlikely]] {
+    const T limit = squared_limit(radius);
+    if (vague_limit(limit) && !std::isinf(radius)) [[unlikely]] {
       using Wide = typename PointSet<T, D>::Wide;
       const Wide wide_radius = static_cast<Wide>(radius) * static_cast<Wide>(set_.scale);
       Candidates<T, D> near(set_.wide_scaled(q), std::max(limit, set_.vague_square()));
@@ -228,6 +330,15 @@ class PointQueries {
   }
   static void check_k(std::size_t k) {
     if (k == 0) throw InvalidInput("k is 0; it must be at least 1");
+  }
+  static void check_options(const NearestOptions<T>& options) {
+    if (!(options.max_distance >= 0))
+      throw InvalidInput("max_distance is " + std::to_string(options.max_distance) +
+                         "; it must be at least 0");
+    if (!(options.epsilon >= 0) || std::isinf(options.epsilon))
+      throw InvalidInput("epsilon is " + std::to_string(options.epsilon) +
+                         "; it must be finite and at least 0");
+    if (options.max_leaves == 0) throw InvalidInput("max_leaves is 0; it must be at least 1");
   }
   static void check_radius(T radius) {
     if (!(radius >= 0)) throw InvalidInput("radius is " + std::to_string(radius) + "; it must be at least 0");

@@ -215,6 +215,7 @@ struct PointSet {
       for (; e != end; ++e) visitor.offer(*e, squared_distance(e->point, q));
       return;
     } else {
+      if constexpr (requires { visitor.enter_leaf(); }) visitor.enter_leaf();
       if (leaf.coincident) {
         // Equal points are taken in order of id until one is too far or too late: the rest are, too.
         const T distance2 = squared_distance(e->point, q);

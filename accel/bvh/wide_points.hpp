@@ -48,9 +48,16 @@ class Bvh<Points<float, D>, Wide> : public PointQueries<Bvh<Points<float, D>, Wi
   using Base::stats_;
   using Found = Neighbor<float>;
 
+  using Limits = SearchLimits<float>;
+
   template <class W>
-  void search_nearest(const Point& q, std::span<Found> out, W& work) const;
-  void search_nearest_group(std::span<const Point> queries, std::size_t k, std::span<Found> out) const;
+  void search_nearest(const Point& q, const Limits& limits, std::span<Found> out, W& work) const;
+  void search_nearest_group(std::span<const Point> queries, std::size_t k, const Limits& limits,
+                            std::span<Found> out) const;
+  template <class Best, class W>
+  void search_from(const Point& q, wide::Path<D>& path, const Limits& limits, std::span<Found> out,
+                   W& work) const;
+  std::size_t count_within_limit(const Point& q, float limit) const;
   template <class W>
   void search_within(const Point& q, float limit, std::vector<Found>& out, W& work) const;
   template <class W>
@@ -125,21 +132,33 @@ void Bvh<Points<float, D>, Wide>::with_collector(std::size_t k, F&& f) {
 }
 
 template <int D>
+template <class Best, class W>
+void Bvh<Points<float, D>, Wide>::search_from(const Point& p, wide::Path<D>& path, const Limits& limits,
+                                              std::span<Found> out, W& work) const {
+  const wide::Query<D> q(p);
+  Best best(out.size(), limits.within);
+  if (limits.exact)
+    wide::search<true>(tree_, q, path, best, {}, work);
+  else
+    wide::search<false>(tree_, q, path, best, {limits.shrink, limits.leaves}, work);
+  best.write(out);
+}
+
+template <int D>
 template <class W>
-void Bvh<Points<float, D>, Wide>::search_nearest(const Point& p, std::span<Found> out, W& work) const {
+void Bvh<Points<float, D>, Wide>::search_nearest(const Point& p, const Limits& limits, std::span<Found> out,
+                                                 W& work) const {
   with_collector(out.size(), [&]<class Best>(std::type_identity<Best>) {
     const wide::Query<D> q(p);
     wide::Path<D> path;
     for (int level = tree_.top; level > 0; --level) wide::descend(tree_, q, level, path, work);
-    Best best(out.size(), wide::infinity);
-    wide::search<true>(tree_, q, path, best, {}, work);
-    best.write(out);
+    search_from<Best>(p, path, limits, out, work);
   });
 }
 
 template <int D>
 void Bvh<Points<float, D>, Wide>::search_nearest_group(std::span<const Point> queries, std::size_t k,
-                                                       std::span<Found> out) const {
+                                                       const Limits& limits, std::span<Found> out) const {
   NoWork work;
   with_collector(k, [&]<class Best>(std::type_identity<Best>) {
     wide::Path<D> paths[group_size];
@@ -148,12 +167,33 @@ void Bvh<Points<float, D>, Wide>::search_nearest_group(std::span<const Point> qu
         wide::descend(tree_, wide::Query<D>(queries[i]), level, paths[i], work);
         wide::prefetch_children(tree_, level, paths[i].at / wide::lanes, 1u << paths[i].at % wide::lanes);
       }
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-      Best best(k, wide::infinity);
-      wide::search<true>(tree_, wide::Query<D>(queries[i]), paths[i], best, {}, work);
-      best.write(out.subspan(i * k, k));
-    }
+    for (std::size_t i = 0; i < queries.size(); ++i)
+      search_from<Best>(queries[i], paths[i], limits, out.subspan(i * k, k), work);
   });
+}
+
+template <int D>
+std::size_t Bvh<Points<float, D>, Wide>::count_within_limit(const Point& p, float limit) const {
+  const wide::Query<D> q(p);
+  const auto limits = wide::Floats16::broadcast(limit);
+  NoWork work;
+  std::size_t count = 0;
+  wide::visit(
+      tree_,
+      [&](const wide::Node<D>& node) {
+        // A box whose farthest corner is within holds nothing farther: rounding is monotone there, too.
+        return wide::Classified{simd::bits_le(wide::distances(node, q), limits),
+                                simd::bits_le(wide::farthest(node, q), limits)};
+      },
+      [&](std::size_t leaf) {
+        count += static_cast<std::size_t>(
+            std::popcount(simd::bits_le(wide::distances(tree_.leaves[leaf], q), limits)));
+      },
+      [&](std::size_t first, std::size_t last) {
+        count += std::min(last * wide::lanes, this->size()) - first * wide::lanes;
+      },
+      work);
+  return count;
 }
 
 template <int D>

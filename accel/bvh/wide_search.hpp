@@ -54,6 +54,18 @@ Floats16 distances(const Node<D>& node, const Query<D>& q) {
   return sum;
 }
 
+/// Of the corner farthest from the query; NaN for absent boxes.
+template <int D>
+Floats16 farthest(const Node<D>& node, const Query<D>& q) {
+  Floats16 sum;
+  for (int a = 0; a < D; ++a) {
+    const Floats16 right = q.x[a] - Floats16::load(node.low[a]), left = Floats16::load(node.high[a]) - q.x[a];
+    const Floats16 d = simd::max(right, left);
+    sum = a == 0 ? d * d : sum + d * d;
+  }
+  return sum;
+}
+
 template <class T>
 void prefetch(const T* object, std::size_t bytes = sizeof(T)) {
   for (std::size_t i = 0; i < bytes; i += 64) __builtin_prefetch(reinterpret_cast<const char*>(object) + i);

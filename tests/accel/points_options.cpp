@@ -1,0 +1,162 @@
+// Searches with limits: what is promised of max_distance, epsilon, max_leaves, counts and sorted lists holds
+// for every tree. Expected answers come from an exhaustive list ranked in long double (points_common.hpp).
+#include <set>
+
+#include "accel/brute_force/points.hpp"
+#include "accel/bsp_tree/points.hpp"
+#include "accel/bvh/points.hpp"
+#include "accel/bvh/wide_points.hpp"
+#include "accel/kd_tree/points.hpp"
+#include "points_common.hpp"
+
+namespace treeline::accel::test {
+namespace {
+
+template <class Tree>
+class PointOptions : public testing::Test {};
+using F3 = Points<float, 3>;
+using AllTrees = testing::Types<BruteForce<F3>, KdTree<F3>, BspTree<F3>, Bvh<F3>, Bvh<F3, accel::Wide>>;
+TYPED_TEST_SUITE(PointOptions, AllTrees);
+
+using Found = Neighbor<float>;
+constexpr double rounding = 1e-6;
+
+// Clouds whose distances float can tell apart; the others are ranked in a wider type, see the exact tests.
+std::vector<NamedCloud<float, 3>> ordinary_clouds() {
+  std::vector<NamedCloud<float, 3>> all;
+  for (auto& c : clouds<float, 3>())
+    for (const char* name : {"first 0", "first 1", "first 9", "uniform", "few distinct", "all equal",
+                             "axis line", "grid", "long box", "one far away", "tiny", "huge"})
+      if (c.name == name) all.push_back(std::move(c));
+  return all;
+}
+
+TYPED_TEST(PointOptions, NothingBeyondTheMaximalDistance) {
+  for (const auto& cloud : ordinary_clouds()) {
+    SCOPED_TRACE(cloud.name);
+    const TypeParam tree(cloud.points);
+    for (const auto& q : queries_for<float, 3>(cloud.points)) {
+      std::vector<Found> all(20), near(20);
+      const std::size_t n = tree.nearest(q, 20, all);
+      for (const std::size_t i : {std::size_t{0}, n / 2, n}) {
+        // Between two distances, so that no rounding decides.
+        const double from = i > 0 ? std::sqrt(double(all[i - 1].distance2)) : 0;
+        const double to = i < n ? std::sqrt(double(all[i].distance2)) : from * 2;
+        if (!(to > from * 1.001) || !(to < 1e38)) continue;
+        const auto radius = static_cast<float>((from + to) / 2);
+        const std::size_t found = tree.nearest(q, 20, NearestOptions<float>{.max_distance = radius}, near);
+        if (i == n && n == 20) continue;
+        ASSERT_EQ(found, i);
+        for (std::size_t j = 0; j < found; ++j) EXPECT_EQ(near[j], all[j]);
+      }
+    }
+  }
+}
+
+TYPED_TEST(PointOptions, EpsilonBoundsEachDistance) {
+  for (const auto& cloud : ordinary_clouds()) {
+    SCOPED_TRACE(cloud.name);
+    const TypeParam tree(cloud.points);
+    for (const auto& q : queries_for<float, 3>(cloud.points)) {
+      const auto truth = ranked<float, 3>(cloud.points, q);
+      for (const std::size_t k : {1, 8, 40})
+        for (const double epsilon : {0.1, 1.0, 10.0}) {
+          std::vector<Found> found(k);
+          const std::size_t n = tree.nearest(q, k, NearestOptions<float>{.epsilon = epsilon}, found);
+          ASSERT_EQ(n, std::min(k, cloud.points.size()));
+          std::set<Id> ids;
+          for (std::size_t i = 0; i < n; ++i) {
+            EXPECT_TRUE(ids.insert(found[i].id).second);
+            const double distance = std::sqrt(double(wide_distance2<float, 3>(cloud.points[found[i].id], q)));
+            EXPECT_LE(distance, std::sqrt(double(truth[i].first)) * (1 + epsilon) * (1 + rounding));
+          }
+        }
+    }
+  }
+}
+
+TYPED_TEST(PointOptions, MoreLeavesAreNeverWorseAndEnoughAreExact) {
+  for (const auto& cloud : ordinary_clouds()) {
+    SCOPED_TRACE(cloud.name);
+    const TypeParam tree(cloud.points);
+    for (const auto& q : queries_for<float, 3>(cloud.points, 3)) {
+      std::vector<Found> exact(8), found(8);
+      const std::size_t n = tree.nearest(q, 8, exact);
+      float last = std::numeric_limits<float>::infinity();
+      for (const std::size_t leaves : {1, 2, 4, 16, 100000}) {
+        const std::size_t m = tree.nearest(q, 8, NearestOptions<float>{.max_leaves = leaves}, found);
+        ASSERT_LE(m, n);
+        const float worst = m == n && n > 0 ? found[m - 1].distance2 : std::numeric_limits<float>::infinity();
+        EXPECT_LE(worst, last);
+        last = worst;
+        for (std::size_t i = 0; i < m; ++i) EXPECT_GE(found[i].distance2, exact[i].distance2);
+        if (leaves == 100000) {
+          EXPECT_EQ(m, n);
+          for (std::size_t i = 0; i < m; ++i) EXPECT_EQ(found[i], exact[i]);
+        }
+      }
+    }
+  }
+}
+
+TYPED_TEST(PointOptions, BatchesAnswerAsSingleQueriesDo) {
+  for (const auto& cloud : ordinary_clouds()) {
+    SCOPED_TRACE(cloud.name);
+    const TypeParam tree(cloud.points);
+    const auto queries = queries_for<float, 3>(cloud.points);
+    for (const NearestOptions<float>& options :
+         {NearestOptions<float>{.max_distance = 0.05f}, NearestOptions<float>{.epsilon = 0.5},
+          NearestOptions<float>{.max_leaves = 2}}) {
+      std::vector<Found> batch(queries.size() * 6), one(6);
+      tree.nearest(queries, 6, options, batch, 2);
+      for (std::size_t i = 0; i < queries.size(); ++i) {
+        one.assign(6, {});
+        tree.nearest(queries[i], 6, options, one);
+        for (std::size_t j = 0; j < 6; ++j) EXPECT_EQ(batch[6 * i + j], one[j]);
+      }
+    }
+  }
+}
+
+TYPED_TEST(PointOptions, ListsCountsAndSquaredRadiiAgree) {
+  for (const auto& cloud : ordinary_clouds()) {
+    SCOPED_TRACE(cloud.name);
+    const TypeParam tree(cloud.points);
+    for (const auto& q : queries_for<float, 3>(cloud.points, 3)) {
+      std::vector<Found> ten(10), all, some;
+      const std::size_t n = tree.nearest(q, 10, ten);
+      const float radius = n > 0 ? std::sqrt(ten[n - 1].distance2) : 1.0f;
+      tree.within(q, radius, WithinOptions{.sorted = true}, all);
+      EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));
+      EXPECT_EQ(tree.count_within(q, radius), all.size());
+      tree.within(q, radius, WithinOptions{.at_most = 3}, some);
+      ASSERT_EQ(some.size(), std::min<std::size_t>(3, all.size()));
+      for (std::size_t i = 0; i < some.size(); ++i) EXPECT_EQ(some[i], all[i]);
+      // A square that float cannot hold in full bounds nothing.
+      if (n == 0 || !std::isnormal(ten[n - 1].distance2)) continue;
+      tree.within_squared(q, ten[n - 1].distance2, some);  // inclusive: the tenth itself is in
+      EXPECT_GE(some.size(), n);
+      for (const Found& f : some) EXPECT_LE(f.distance2, ten[n - 1].distance2);
+    }
+    EXPECT_EQ(tree.count_within({}, std::numeric_limits<float>::infinity()), cloud.points.size());
+  }
+}
+
+TYPED_TEST(PointOptions, SenselessLimitsAreRefused) {
+  const TypeParam tree(uniform_cloud<float, 3>(50));
+  std::vector<Found> out(3);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const NearestOptions<float>& options :
+       {NearestOptions<float>{.max_distance = -1}, NearestOptions<float>{.max_distance = nan},
+        NearestOptions<float>{.epsilon = -0.1}, NearestOptions<float>{.epsilon = double(nan)},
+        NearestOptions<float>{.max_leaves = 0}}) {
+    EXPECT_THROW(tree.nearest(geometry::Vec3f{}, 3, options, out), InvalidInput);
+    EXPECT_THROW(tree.nearest(std::span<const geometry::Vec3f>{}, 3, options, out), InvalidInput);
+  }
+  std::vector<Found> list;
+  EXPECT_THROW(tree.count_within({}, -1), InvalidInput);
+  EXPECT_THROW(tree.within_squared({}, -1, list), InvalidInput);
+}
+
+}  // namespace
+}  // namespace treeline::accel::test
