@@ -5,12 +5,9 @@
 // mesh is
 //   small); a second witness in CGAL's exact kernel (oracle.hpp) agrees with it in the tests.
 // Judging: judge.hpp says when an answer is right, borderline or false. Borderline answers count as right,
-// with
-//   the error that judge.cpp gives them; ray_borderline says how many there were. An answer counts as right
-//   if it is
-// right
-//   exactly, or right for the same ray moved by at most eps = 32 · unit_roundoff · (largest |coordinate|
-//   involved).
+//   with the error that judge.cpp gives them; ray_borderline says how many there were. An answer counts as
+//   right if it is right exactly, or right for the same ray moved by at most eps = 32 · unit_roundoff ·
+//   (largest |coordinate| of the origin and of the triangles involved).
 // Errors: error and error_mean are the mean over rays of min(1, |t - t_true| / t_true), where false hits and
 // false
 //   misses count 1; error_max and error_p99 of the same; bias is the mean signed relative error of t.
