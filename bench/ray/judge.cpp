@@ -123,9 +123,11 @@ bool Judge::passes(const Case& c, std::span<const Id> faces, double t_from, doub
   return false;
 }
 
-/// Is every face that the ray meets in between missed by some moved ray, each face by a ray of its own?
-bool Judge::slips(const Case& c, std::span<const Id> faces, double t_from, double t_to) const {
+/// Is every face but the answered one that the ray meets in between missed by some moved ray, each face by a
+/// ray of its own?
+bool Judge::slips(const Case& c, std::span<const Id> faces, Id answered, double t_from, double t_to) const {
   for (const Id face : faces) {
+    if (face == answered) continue;
     Rayd ray = c.ray;
     ray.t_min = t_from, ray.t_max = t_to;
     const std::span<const Id> alone(&face, 1);
@@ -161,11 +163,16 @@ bool Judge::touches(const Case& c, Id face) const {
          segment_distance2(begin, end, t.c, t.a) <= eps2;
 }
 
+/// Is t as near to the triangle's plane as an approximate method comes, and the triangle near the ray?
 bool Judge::on_plane(const Case& c, Id face, double t) const {
   if (face >= mesh_.size() || !geometry::is_finite(mesh_.triangle(face))) return false;
   const Triangle3d triangle(mesh_.triangle(face));
   const Vec3d n = triangle.area_normal();
-  if (!(std::abs(geometry::dot(n, c.ray.at(t) - triangle.a)) <= c.slack(t) * c.speed * geometry::length(n)))
+  // The longest side over the least height is longest² / |n|, and it is at least one.
+  const double longest2 =
+      std::max({geometry::distance2(triangle.a, triangle.b), geometry::distance2(triangle.b, triangle.c),
+                geometry::distance2(triangle.c, triangle.a)});
+  if (!(std::abs(geometry::dot(n, c.ray.at(t) - triangle.a)) <= c.slack(t) * c.speed * longest2))
     return false;
   const std::span<const Id> alone(&face, 1);
   for (const Rayd& ray : c.moved)
@@ -220,7 +227,7 @@ Judged Judge::closest(std::size_t ray_number, const geometry::Rayf& ray, const T
   else
     judged.verdict = hit && t < truth.t ? Verdict::false_hit : Verdict::false_miss;
   if (judged.verdict != Verdict::wrong_t) judged.error = 1, judged.signed_error = 0;
-  judged.excused = (!hit || real) && slips(c, faces, from, to);
+  judged.excused = (!hit || real) && slips(c, faces, answer.primitive, from, to);
   return judged;
 }
 
@@ -233,7 +240,7 @@ Judged Judge::any(std::size_t ray_number, const geometry::Rayf& ray, const TrueH
     const auto& faces = near(ray_number, c);
     const double from = c.ray.t_min + c.slack(c.ray.t_min), to = c.ray.t_max - c.slack(c.ray.t_max);
     if (passes(c, faces, from, to)) return {Verdict::borderline, false, 0, 0};
-    return {Verdict::false_miss, slips(c, faces, from, to), 1, 0};
+    return {Verdict::false_miss, slips(c, faces, accel::no_id, from, to), 1, 0};
   }
   // Which triangle it was is not told: any may have been, each with the eps that it would be involved with.
   const double widest = std::max(c.eps, eps_factor * unit_roundoff_ * largest_);

@@ -26,9 +26,10 @@
 // of the ray.
 //
 // Approximate methods test each triangle on its own, so that rays slip between two triangles that share an
-// edge, and t may slide along a triangle that is almost edge-on. Such answers are false all the same and
-// counted so, but excused: each triangle that was passed by is missed by a moved ray of its own; or t lies
-// within eps of p's plane and some moved ray hits p.
+// edge, and t comes from terms that cancel for a triangle that is almost edge-on or thin. Such answers are
+// false all the same and counted so, but excused: each triangle that was passed by, p apart, is missed by a
+// moved ray of its own; and some moved ray hits p, with t within eps of p's plane, times p's longest side over
+// its least height, for by so much cancels the determinant that t is divided by.
 #pragma once
 
 #include <span>
@@ -82,7 +83,8 @@ class Judge {
   const std::vector<accel::Id>& near(std::size_t ray_number, const Case& c);
   void widen(std::size_t ray_number, Case& c, double end);
   bool passes(const Case& c, std::span<const accel::Id> faces, double t_from, double t_to) const;
-  bool slips(const Case& c, std::span<const accel::Id> faces, double t_from, double t_to) const;
+  bool slips(const Case& c, std::span<const accel::Id> faces, accel::Id answered, double t_from,
+             double t_to) const;
   bool touches(const Case& c, accel::Id face) const;
   bool on_face(const Case& c, accel::Id face, double t) const;
   bool on_plane(const Case& c, accel::Id face, double t) const;

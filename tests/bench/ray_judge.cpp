@@ -210,6 +210,23 @@ TEST(RayJudge, CountsALeakAtAnInnerEdgeAsFalseButExcusesApproximateMethods) {
   EXPECT_FALSE(any(inside, false).excused);
 }
 
+TEST(RayJudge, ExcusesTheTOfAThinTriangleByItsThinness) {
+  const Mesh3f needle{{{-4, -0.005f, 0}, {4, -0.005f, 0}, {0, 0.005f, 0}}, {{0, 1, 2}}};
+  const Rayf ray{{0.5f, 0, 2}, {0, 0, -1}};
+  const double eps = 32 * u * 4, thinness = 8 / 0.01;
+  const auto judged = [&](double off) {
+    Judge judge(needle, u);
+    return judge.closest(0, ray, true_closest(needle, std::vector{ray}, 1)[0],
+                         hit(static_cast<float>(2 + off), 0));
+  };
+  EXPECT_EQ(judged(0.5 * eps).verdict, Verdict::right);
+  for (const double share : {0.1, 0.9, 2.0}) {
+    const Judged j = judged(share * thinness * eps);
+    EXPECT_EQ(j.verdict, Verdict::wrong_t);
+    EXPECT_EQ(j.excused, share < 1) << share;
+  }
+}
+
 TEST(RayJudge, IsStricterWithExactMethods) {
   Judge exact(mesh, geometry::tolerance::unit_roundoff<double>);
   const Rayf in{{std::nextafter(1.0f, 0.0f), 0.5f, 2}, {0, 0, -1}};
