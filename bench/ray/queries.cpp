@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "accel/bvh.hpp"
+#include "bench/ray/edge_rays.hpp"
 #include "geometry/random.hpp"
 #include "geometry/sampling.hpp"
 #include "geometry/tolerances.hpp"
@@ -232,10 +233,12 @@ std::vector<RaySet> make_ray_sets(const Mesh3f& mesh, std::size_t count, std::ui
             "or too far from the origin for rays in float; move or scale the mesh");
     throw std::invalid_argument("no ray meets the mesh: it has no triangle with an area and finite corners");
   }
+  const FirstHit first_hit = [&](const Rayf& ray) { return tree.closest_hit(ray); };
   return {{"camera", false, primary, 0},
           {"camera_any", true, primary, 0},
           {"diffuse", false, diffuse_rays(seen, seed), 2},
-          {"shadow", true, shadow_rays(seen, box, seed), 3}};
+          {"shadow", true, shadow_rays(seen, box, seed), 3},
+          {"edge", false, edge_rays(mesh, first_hit, camera.origin, primary.size(), seed), 4}};
 }
 
 std::uint64_t hash_of(const std::vector<Rayf>& rays) {

@@ -88,7 +88,7 @@ TEST(RayTask, AsksAllThatItSays) {
       EXPECT_GT(set.size, 200u) << "rays that miss are filled up: " << name << " " << set.name;
       EXPECT_LE(set.size, 256u);
     }
-    EXPECT_EQ(names, (std::set<std::string>{"camera", "camera_any", "diffuse", "shadow"}));
+    EXPECT_EQ(names, (std::set<std::string>{"camera", "camera_any", "diffuse", "shadow", "edge"}));
     for (const auto& advised : task.advise_on()) EXPECT_TRUE(names.contains(advised));
   }
 }
