@@ -39,7 +39,12 @@ struct RaySet {
   std::size_t truth = 0;  // the set whose truth holds for this one too
 };
 
-/// About `count` rays a set (the largest square not above it).
+/// Throws std::invalid_argument that names the sets without rays: they would measure nothing, and their rows
+/// say that no error was found.
+void refuse_empty(const std::vector<RaySet>&);
+
+/// About `count` rays a set (the largest square not above it). Throws std::invalid_argument for a mesh that
+/// no ray meets, or that leaves a set empty.
 std::vector<RaySet> make_ray_sets(const geometry::Mesh3f& mesh, std::size_t count, std::uint64_t seed,
                                   int threads);
 

@@ -93,6 +93,19 @@ TEST(RayTask, AsksAllThatItSays) {
   }
 }
 
+TEST(RayTask, RefusesRaySetsThatMeasureNothing) {
+  std::vector<RaySet> sets{
+      {"camera", false, {geometry::Rayf{}}, 0}, {"diffuse", false, {}, 1}, {"edge", false, {}, 2}};
+  try {
+    refuse_empty(sets);
+    FAIL() << "empty sets were taken";
+  } catch (const std::invalid_argument& e) {
+    EXPECT_NE(std::string(e.what()).find("diffuse, edge"), std::string::npos) << e.what();
+  }
+  sets.resize(1);
+  EXPECT_NO_THROW(refuse_empty(sets));
+}
+
 TEST(RayTask, RefusesWhatIsNoMesh) {
   const RayTask task;
   datasets::Dataset cloud;
