@@ -1,11 +1,12 @@
 // CGAL's AABB_tree over double: a plain binary tree of boxes with CGAL's own predicates at its leaves.
 //
-// Claim: exact up to the rounding of double. Its manual asks for triangles that have an area, so others, and
-// those that are not finite, are left out here. Its ray queries start at the origin and have no far end: the
-// origin is moved to t_min, a bounded any-hit query becomes a segment, and a bounded closest hit is cut off
-// afterwards. CGAL reports a triangle in the ray's plane as met in a segment; this task does not count it.
-// The search is repeated without such triangles only when one comes first, so that no other ray pays for the
-// test.
+// Claim: approximate. Distances are right to double, but a kernel of plain doubles decides by signs that
+// round: about one in two hundred rays aimed at a shared edge or vertex slips through. Its manual asks for
+// triangles that have an area, so others, and those that are not finite, are left out here. Its ray queries
+// start at the origin and have no far end: the origin is moved to t_min, a bounded any-hit query becomes a
+// segment, and a bounded closest hit is cut off afterwards. CGAL reports a triangle in the ray's plane as met
+// in a segment; this task does not count it. The search is repeated without such triangles only when one
+// comes first, so that no other ray pays for the test.
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
@@ -104,7 +105,7 @@ const bool registered = Registry<Method>::instance().add(
     {.info = {.name = "cgal_aabb",
               .family = "bvh",
               .source = Source::peer,
-              .claim = Claim::exact,
+              .claim = Claim::approximate,
               .peer_version = CGAL_VERSION_STR,
               .ladder = 50,
               .largest_n = 2'000'000},
