@@ -36,6 +36,14 @@ std::string broken_limit(const Row& row, double tolerance) {
   return "";
 }
 
+/// Why a rung whose measured errors all meet the tolerance may not be advised; empty: it may.
+std::string unpromised_limit(const Row& row, double tolerance) {
+  const bool promises = row.claim == Claim::exact || row.claim == Claim::bounded;
+  if (promises || tolerance > row.errors.floor.value_or(0)) return "";
+  return fmt::format("its claim is {}: no error on these queries of {} promises none on others",
+                     to_string(row.claim), row.query_set);
+}
+
 const Row* row_of_set(const std::vector<Row>& rows, const std::string& set) {
   const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.query_set == set; });
   return found == rows.end() ? nullptr : &*found;
@@ -97,6 +105,8 @@ Advice advise(const Task& task, const std::vector<Row>& rows, const std::vector<
       rung.cost_ns += row.query_ns.value_or(std::numeric_limits<double>::infinity());
       if (rung.limit.empty()) rung.limit = broken_limit(row, tolerance);
     }
+    for (const Row& row : rung.rows)
+      if (rung.limit.empty()) rung.limit = unpromised_limit(row, tolerance);
     for (const MethodInfo& info : task.methods())
       if (info.name == rung.rows.front().method) rung.ladder = info.ladder;
     out.rungs.push_back(std::move(rung));

@@ -1,5 +1,8 @@
 // Advice: model no more than the input needs. Of all rungs (method and knobs) the cheapest whose every stated
 // error meets the tolerance on every query set, and why the next cheaper one does not.
+//
+// Whoever allows no error beyond the truth's own asks for a promise. Methods that claim to be approximate or
+// stochastic give none, however well they did on the queries at hand, and are not advised then.
 #pragma once
 
 #include <optional>

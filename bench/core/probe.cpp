@@ -8,22 +8,20 @@
 namespace treeline::bench {
 namespace {
 
-/// One cell a build and query set, builds together.
+/// What of the peers' cells a run would measure, builds together.
 std::vector<Cell> cells_to_try(const Task& task, const BlockFacts& facts, const Chosen& chosen) {
   std::vector<Cell> out;
   for (Cell& cell : cells_of(task, facts, chosen.threads)) {
     const MethodInfo& method = task.methods()[cell.method];
     if (method.source != Source::peer || facts.n > method.largest_n) continue;
     if (!chosen.filter.matches(cell.name) || !has_set(chosen.sets, cell.row.query_set)) continue;
-    if (chosen.finished.finished(cell.row)) continue;
-    const bool tried = !out.empty() && out.back().method == cell.method && out.back().build == cell.build &&
-                       out.back().query_set == cell.query_set;
-    if (!tried) out.push_back(std::move(cell));
+    if (!chosen.finished.finished(cell.row)) out.push_back(std::move(cell));
   }
   return out;
 }
 
-/// Builds once and answers the query sets of cells [first, last), which are of one build.
+/// Builds once and answers cells [first, last), which are of one build. Says which comes next, so that the
+/// limit of time starts anew.
 void try_build(Block& block, const Cell* first, const Cell* last, const Send& send) {
   std::unique_ptr<Subject> subject;
   try {
@@ -32,7 +30,7 @@ void try_build(Block& block, const Cell* first, const Cell* last, const Send& se
     return;
   }
   for (const Cell* cell = first; cell != last; ++cell) {
-    send("built");  // or the last query set was answered: the limit of time starts anew
+    send("cell " + cell->row.query_set + " " + format_knobs(cell->row.query_knobs));
     try {
       subject->run(cell->query_set, cell->row.query_knobs, cell->row.threads);
     } catch (...) {
@@ -73,12 +71,15 @@ Broken try_peers(const Task& task, const BlockSpec& spec, const std::function<st
       send("done");
     };
     bool started = false, done = false;
+    std::string cell;  // that was being answered; empty: the build
     std::size_t number = next;
     const Ending ending = run_isolated(work, limits, [&](const std::string& line) {
       if (line == "refused") refused = true;
       if (line == "opened") opened = true;
       if (line == "done") done = true;
+      if (line.starts_with("cell ")) cell = line.substr(5);
       if (!line.starts_with("at ")) return;
+      cell.clear();
       const std::size_t space = line.find(' ', 3);
       at = {std::stoul(line.substr(3, space - 3)), std::stoul(line.substr(space + 1))};
       number += started, started = true;
@@ -89,6 +90,7 @@ Broken try_peers(const Task& task, const BlockSpec& spec, const std::function<st
           fmt::format("cannot be opened: {} ({})", to_string(ending.status), ending.reason));
     if (!started) return out;
     out[at] = ending;
+    if (!cell.empty()) out[at].reason += " (in " + cell + ")";
     next = number + 1;
   }
 }

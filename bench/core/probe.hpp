@@ -1,5 +1,6 @@
 // A trial of the peers on input that nobody has tried before: one that crashes on it in this process would
-// take all rows with it. Each is built and run once in a child first.
+// take all rows with it. Each is built and asked once in a child first. A build that fails at one of its
+// cells loses them all: what it answers after that is not known.
 #pragma once
 
 #include <functional>
@@ -29,8 +30,9 @@ struct Chosen {
 /// Whether a query set is among the chosen ones.
 bool has_set(const std::vector<std::string>& sets, const std::string& set);
 
-/// Tries every chosen build of a peer: each of its query sets once, with the first chosen query knobs. `open`
-/// is called in the children; what it throws ends the trial, for the caller's own open() to say so.
+/// Tries every chosen build of a peer: each of its query sets once with each of its query knobs, for a later
+/// knob may take another path through the library. `open` is called in the children; what it throws ends the
+/// trial, for the caller's own open() to say so.
 /// This process must have no threads yet. Throws std::runtime_error if open() itself crashes or hangs.
 Broken try_peers(const Task&, const BlockSpec&, const std::function<std::unique_ptr<Block>()>& open,
                  const Chosen&, const Limits&);

@@ -1,10 +1,12 @@
 // CGAL's AABB_tree over double: a plain binary tree of boxes with CGAL's own predicates at its leaves.
 //
-// Claim: exact up to the rounding of double. Its manual asks for triangles that have an area, so others, and
-// those that are not finite, are left out here. Its ray queries start at the origin and have no far end: the
-// origin is moved to t_min, a bounded any-hit query becomes a segment, and a bounded closest hit is cut off
-// afterwards. CGAL reports a triangle in the ray's plane as met in a segment; this task does not count it, so
-// such are skipped.
+// Claim: approximate. Distances are right to double, but a kernel of plain doubles decides by signs that
+// round: about one in two hundred rays aimed at a shared edge or vertex slips through. Its manual asks for
+// triangles that have an area, so others, and those that are not finite, are left out here. Its ray queries
+// start at the origin and have no far end: the origin is moved to t_min, a bounded any-hit query becomes a
+// segment, and a bounded closest hit is cut off afterwards. CGAL reports a triangle in the ray's plane as met
+// in a segment; this task does not count it. The search is repeated without such triangles only when one
+// comes first, so that no other ray pays for the test.
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
@@ -66,12 +68,9 @@ class CgalAabb final : public Index {
   RayAnswer closest(const Rayf& r) const {
     const geometry::Vec3d o(r.origin), d(r.direction);
     const Kernel::Ray_3 ray(point(o + d * double(r.t_min)), vector(d));
-    const auto in_plane = [&](const Triangles::const_iterator& triangle) {
-      return CGAL::scalar_product(CGAL::normal((*triangle)[0], (*triangle)[1], (*triangle)[2]),
-                                  ray.to_vector()) == 0;
-    };
     RayAnswer answer;
-    const auto hit = tree_.first_intersection(ray, in_plane);
+    auto hit = tree_.first_intersection(ray);
+    if (hit && !boost::get<Kernel::Point_3>(&hit->first)) hit = first_across(ray);
     if (!hit) return answer;
     const auto* p = boost::get<Kernel::Point_3>(&hit->first);
     if (!p) return answer;
@@ -80,6 +79,14 @@ class CgalAabb final : public Index {
     answer.t = static_cast<float>(t);
     answer.primitive = faces_[static_cast<std::size_t>(hit->second - triangles_.cbegin())];
     return answer;
+  }
+  /// The first intersection with a triangle that is not in the ray's plane.
+  boost::optional<Tree::Intersection_and_primitive_id<Kernel::Ray_3>::Type> first_across(
+      const Kernel::Ray_3& ray) const {
+    const Kernel::Vector_3 along = ray.to_vector();
+    return tree_.first_intersection(ray, [&](const Triangles::const_iterator& t) {
+      return CGAL::scalar_product(CGAL::normal((*t)[0], (*t)[1], (*t)[2]), along) == 0;
+    });
   }
   bool any(const Rayf& r) const {
     const geometry::Vec3d o(r.origin), d(r.direction);
@@ -98,7 +105,7 @@ const bool registered = Registry<Method>::instance().add(
     {.info = {.name = "cgal_aabb",
               .family = "bvh",
               .source = Source::peer,
-              .claim = Claim::exact,
+              .claim = Claim::approximate,
               .peer_version = CGAL_VERSION_STR,
               .ladder = 50,
               .largest_n = 2'000'000},

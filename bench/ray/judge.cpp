@@ -1,5 +1,6 @@
 #include "bench/ray/judge.hpp"
 
+#include <array>
 #include <numbers>
 
 #include "geometry/distance.hpp"
@@ -57,20 +58,19 @@ bool usable(const Rayd& r) {
 }  // namespace
 
 struct Judge::Case {
+  const geometry::Rayf& given;
   Rayd ray;
   double eps, speed;  // speed: length of the direction
   std::vector<Rayd> moved;
 
   Case(const geometry::Rayf& r, double eps)
-      : ray{Vec3d(r.origin), Vec3d(r.direction), double(r.t_min), double(r.t_max)},
+      : given(r),
+        ray{Vec3d(r.origin), Vec3d(r.direction), double(r.t_min), double(r.t_max)},
         eps(eps),
         speed(geometry::length(ray.direction)) {}
   /// What t may be off by: eps as a length, and the rounding of t to float.
   double slack(double t) const {
     return eps / speed + geometry::tolerance::unit_roundoff<float> * (std::isfinite(t) ? std::abs(t) : 0);
-  }
-  void move() {
-    if (moved.empty()) moved = moved_rays(ray, eps);
   }
 };
 
@@ -83,16 +83,34 @@ Judge::Judge(const geometry::Mesh3f& mesh, double unit_roundoff)
           largest_ = std::max(largest_, x);
 }
 
-double Judge::eps(const geometry::Rayf& ray) const {
-  double largest = largest_;
-  for (int axis = 0; axis < 3; ++axis) largest = std::max(largest, double(std::abs(ray.origin[axis])));
+double Judge::eps(const geometry::Rayf& ray, std::span<const Id> faces) const {
+  double largest = 0;
+  const auto grow = [&](const geometry::Vec3f& point) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (const double x = std::abs(point[axis]); std::isfinite(x)) largest = std::max(largest, x);
+  };
+  grow(ray.origin);
+  for (const Id face : faces)
+    if (face < mesh_.size())
+      for (const auto vertex : mesh_.faces[face]) grow(mesh_.vertices[vertex]);
   return eps_factor * unit_roundoff_ * largest;
 }
 
 const std::vector<Id>& Judge::near(std::size_t ray_number, const Case& c) {
-  const auto [it, fresh] = near_.try_emplace(ray_number);
-  if (fresh) it->second = faces_near(mesh_, c.ray, 2 * c.eps);
-  return it->second;
+  Near& near = near_[ray_number];
+  if (near.distance < 2 * c.eps) near = {2 * c.eps, faces_near(mesh_, c.ray, 2 * c.eps)};
+  return near.faces;
+}
+
+/// Grows eps by what the ray meets up to t = end, and moves the ray.
+void Judge::widen(std::size_t ray_number, Case& c, double end) {
+  std::vector<Id> met;
+  Rayd ray = c.ray;
+  ray.t_max = std::min(ray.t_max, end);
+  for (const Id face : near(ray_number, c))
+    if (exact_closest(mesh_, std::span(&face, 1), ray)) met.push_back(face);
+  c.eps = std::max(c.eps, eps(c.given, met));
+  c.moved = moved_rays(c.ray, c.eps);
 }
 
 /// Condition B: does some moved ray meet nothing in between?
@@ -105,9 +123,11 @@ bool Judge::passes(const Case& c, std::span<const Id> faces, double t_from, doub
   return false;
 }
 
-/// Is every face that the ray meets in between missed by some moved ray, each face by a ray of its own?
-bool Judge::slips(const Case& c, std::span<const Id> faces, double t_from, double t_to) const {
+/// Is every face but the answered one that the ray meets in between missed by some moved ray, each face by a
+/// ray of its own?
+bool Judge::slips(const Case& c, std::span<const Id> faces, Id answered, double t_from, double t_to) const {
   for (const Id face : faces) {
+    if (face == answered) continue;
     Rayd ray = c.ray;
     ray.t_min = t_from, ray.t_max = t_to;
     const std::span<const Id> alone(&face, 1);
@@ -143,11 +163,16 @@ bool Judge::touches(const Case& c, Id face) const {
          segment_distance2(begin, end, t.c, t.a) <= eps2;
 }
 
+/// Is t as near to the triangle's plane as an approximate method comes, and the triangle near the ray?
 bool Judge::on_plane(const Case& c, Id face, double t) const {
   if (face >= mesh_.size() || !geometry::is_finite(mesh_.triangle(face))) return false;
   const Triangle3d triangle(mesh_.triangle(face));
   const Vec3d n = triangle.area_normal();
-  if (!(std::abs(geometry::dot(n, c.ray.at(t) - triangle.a)) <= c.slack(t) * c.speed * geometry::length(n)))
+  // The longest side over the least height is longest² / |n|, and it is at least one.
+  const double longest2 =
+      std::max({geometry::distance2(triangle.a, triangle.b), geometry::distance2(triangle.b, triangle.c),
+                geometry::distance2(triangle.c, triangle.a)});
+  if (!(std::abs(geometry::dot(n, c.ray.at(t) - triangle.a)) <= c.slack(t) * c.speed * longest2))
     return false;
   const std::span<const Id> alone(&face, 1);
   for (const Rayd& ray : c.moved)
@@ -157,7 +182,7 @@ bool Judge::on_plane(const Case& c, Id face, double t) const {
 
 Judged Judge::closest(std::size_t ray_number, const geometry::Rayf& ray, const TrueHit& truth,
                       const RayAnswer& answer) {
-  Case c(ray, eps(ray));
+  Case c(ray, eps(ray, std::array{truth.primitive, answer.primitive}));
   const bool hit = static_cast<bool>(answer);
   if (!hit && !truth) return {};
   if (!usable(c.ray) || (hit && !std::isfinite(answer.t))) return {Verdict::false_hit, false, 1, 0};
@@ -175,9 +200,9 @@ Judged Judge::closest(std::size_t ray_number, const geometry::Rayf& ray, const T
     }
   }
 
-  c.move();
-  const auto& faces = near(ray_number, c);
   const double end = hit ? t : c.ray.t_max;
+  widen(ray_number, c, end);
+  const auto& faces = near(ray_number, c);
   const double from = c.ray.t_min + c.slack(c.ray.t_min), to = end - c.slack(end);
   if ((!hit || on_face(c, answer.primitive, t)) && passes(c, faces, from, to)) {
     judged.verdict = Verdict::borderline;
@@ -202,23 +227,27 @@ Judged Judge::closest(std::size_t ray_number, const geometry::Rayf& ray, const T
   else
     judged.verdict = hit && t < truth.t ? Verdict::false_hit : Verdict::false_miss;
   if (judged.verdict != Verdict::wrong_t) judged.error = 1, judged.signed_error = 0;
-  judged.excused = (!hit || real) && slips(c, faces, from, to);
+  judged.excused = (!hit || real) && slips(c, faces, answer.primitive, from, to);
   return judged;
 }
 
 Judged Judge::any(std::size_t ray_number, const geometry::Rayf& ray, const TrueHit& truth, bool answer) {
   if (answer == static_cast<bool>(truth)) return {};
-  Case c(ray, eps(ray));
+  Case c(ray, eps(ray, std::span(&truth.primitive, 1)));
   if (!usable(c.ray)) return {Verdict::false_hit, false, 1, 0};
-  c.move();
-  const auto& faces = near(ray_number, c);
   if (!answer) {
+    widen(ray_number, c, c.ray.t_max);
+    const auto& faces = near(ray_number, c);
     const double from = c.ray.t_min + c.slack(c.ray.t_min), to = c.ray.t_max - c.slack(c.ray.t_max);
     if (passes(c, faces, from, to)) return {Verdict::borderline, false, 0, 0};
-    return {Verdict::false_miss, slips(c, faces, from, to), 1, 0};
+    return {Verdict::false_miss, slips(c, faces, accel::no_id, from, to), 1, 0};
   }
-  for (const Id face : faces)
+  // Which triangle it was is not told: any may have been, each with the eps that it would be involved with.
+  const double widest = std::max(c.eps, eps_factor * unit_roundoff_ * largest_);
+  for (const Id face : faces_near(mesh_, c.ray, widest)) {
+    c.eps = eps(ray, std::span(&face, 1));
     if (touches(c, face)) return {Verdict::borderline, false, 0, 0};
+  }
   return {Verdict::false_hit, false, 1, 0};
 }
 

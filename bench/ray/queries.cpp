@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "accel/bvh.hpp"
+#include "bench/ray/edge_rays.hpp"
 #include "geometry/random.hpp"
 #include "geometry/sampling.hpp"
 #include "geometry/tolerances.hpp"
@@ -208,6 +209,16 @@ Camera frame(const Mesh3f& mesh, double aspect) {
   return camera;
 }
 
+void refuse_empty(const std::vector<RaySet>& sets) {
+  std::string empty;
+  for (const RaySet& set : sets)
+    if (set.rays.empty()) empty += (empty.empty() ? "" : ", ") + set.name;
+  if (!empty.empty())
+    throw std::invalid_argument("no rays for the mesh could be made for " + empty +
+                                ", which would measure nothing: its triangles are too few, too small or too "
+                                "far from the origin for rays in float");
+}
+
 std::vector<RaySet> make_ray_sets(const Mesh3f& mesh, std::size_t count, std::uint64_t seed, int threads) {
   const Camera camera = frame(mesh, 1.0);
   const geometry::Box3d box = robust_box(mesh);
@@ -232,10 +243,15 @@ std::vector<RaySet> make_ray_sets(const Mesh3f& mesh, std::size_t count, std::ui
             "or too far from the origin for rays in float; move or scale the mesh");
     throw std::invalid_argument("no ray meets the mesh: it has no triangle with an area and finite corners");
   }
-  return {{"camera", false, primary, 0},
-          {"camera_any", true, primary, 0},
-          {"diffuse", false, diffuse_rays(seen, seed), 2},
-          {"shadow", true, shadow_rays(seen, box, seed), 3}};
+  const FirstHit first_hit = [&](const Rayf& ray) { return tree.closest_hit(ray); };
+  std::vector<RaySet> sets{
+      {"camera", false, primary, 0},
+      {"camera_any", true, primary, 0},
+      {"diffuse", false, diffuse_rays(seen, seed), 2},
+      {"shadow", true, shadow_rays(seen, box, seed), 3},
+      {"edge", false, edge_rays(mesh, first_hit, camera.origin, primary.size(), seed), 4}};
+  refuse_empty(sets);
+  return sets;
 }
 
 std::uint64_t hash_of(const std::vector<Rayf>& rays) {

@@ -103,6 +103,26 @@ void closest_of(const Mesh3f& mesh, std::span<const geometry::Rayf> rays, std::s
   }
 }
 
+/// Is the triangle surely farther than this from the ray's line? Seen along the ray, the line is a point:
+/// then it is that far outside of one of the triangle's sides. What is seen edge-on is not sure.
+bool surely_beside(const geometry::Triangle3f& triangle, const Rayd& ray, double distance) {
+  const Vec3d& d = ray.direction;
+  const Vec3d corners[3] = {Vec3d(triangle.a) - ray.origin, Vec3d(triangle.b) - ray.origin,
+                            Vec3d(triangle.c) - ray.origin};
+  double m = 0, sides[3], sum = 0;
+  for (const Vec3d& p : corners) m = std::max({m, std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
+  const double bound =
+      triple_product_error * std::max({std::abs(d[0]), std::abs(d[1]), std::abs(d[2])}) * m * m;
+  for (int i = 0; i < 3; ++i)
+    sum += sides[i] = geometry::dot(d, geometry::cross(corners[(i + 1) % 3], corners[(i + 2) % 3]));
+  if (!(std::abs(sum) > 3 * bound)) return false;
+  for (int i = 0; i < 3; ++i) {
+    const double length = geometry::length(geometry::cross(corners[(i + 2) % 3] - corners[(i + 1) % 3], d));
+    if ((sum > 0 ? -sides[i] : sides[i]) > distance * length + 2 * bound) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 TrueHit exact_closest(const Mesh3f& mesh, std::span<const Id> faces, const Rayd& ray) {
@@ -153,7 +173,7 @@ std::vector<Id> faces_near(const Mesh3f& mesh, const Rayd& ray, double distance)
       const double x = low / ray.direction[axis], y = high / ray.direction[axis];
       enter = std::max(enter, std::min(x, y)), leave = std::min(leave, std::max(x, y));
     }
-    if (enter <= leave) near.push_back(static_cast<Id>(f));
+    if (enter <= leave && !surely_beside(triangle, ray, margin)) near.push_back(static_cast<Id>(f));
   }
   return near;
 }

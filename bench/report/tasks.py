@@ -34,7 +34,8 @@ TASKS = {
         (("camera", "the closest hit of rays from one eye, in the order of pixels"),
          ("camera_any", "whether those rays hit anything"),
          ("diffuse", "the closest hit of rays that bounce off what the camera sees, in random order"),
-         ("shadow", "whether anything stands between what the camera sees and a light"))),
+         ("shadow", "whether anything stands between what the camera sees and a light"),
+         ("edge", "the closest hit of rays aimed at edges and vertices, where leaks show"))),
 }  # fmt: skip
 
 

@@ -109,6 +109,31 @@ TEST(Advice, RoundingBelowTheFloorIsNoError) {
   EXPECT_EQ(chosen(advise(FakeTask(), {row}, {"a"}, 0)), "m");
 }
 
+TEST(Advice, BelowTheFloorOnlyAClaimWillDo) {
+  for (const auto& [claim, advised] :
+       {std::pair(Claim::exact, true), std::pair(Claim::bounded, true), std::pair(Claim::approximate, false),
+        std::pair(Claim::stochastic, false)}) {
+    std::vector<Row> rows{rung_row("m", "a", 1, 0), rung_row("m", "b", 1, 0)};
+    for (Row& row : rows) row.claim = claim;
+    rows[1].errors.floor = 1e-7;
+    EXPECT_EQ(chosen(advise(FakeTask(), rows, {"a"}, 0)), advised ? "m" : "") << "no floor";
+    EXPECT_EQ(chosen(advise(FakeTask(), rows, {"a"}, 1e-9)), "m") << "a sample tells enough";
+    for (const double tolerance : {0.0, 1e-9, 1e-7})
+      EXPECT_EQ(chosen(advise(FakeTask(), rows, {"a", "b"}, tolerance)), advised ? "m" : "");
+    EXPECT_EQ(chosen(advise(FakeTask(), rows, {"a", "b"}, 2e-7)), "m");
+  }
+}
+
+TEST(Advice, SaysThatAClaimIsTooWeakUnlessAnErrorSaysMore) {
+  std::vector<Row> rows{rung_row("m", "a", 1, 0), rung_row("m", "b", 1, 0)};
+  for (Row& row : rows) row.claim = Claim::stochastic;
+  EXPECT_NE(advise(FakeTask(), rows, {"a", "b"}, 0).rungs[0].limit.find("its claim is stochastic"),
+            std::string::npos);
+  rows[1].errors.error = 0.25;
+  EXPECT_NE(advise(FakeTask(), rows, {"a", "b"}, 0).rungs[0].limit.find("error of b is 0.25"),
+            std::string::npos);
+}
+
 TEST(Advice, OnlyWhatIsOkIsAdvised) {
   Row row = rung_row("m", "a", 1, 0);
   row.status = Status::wrong;

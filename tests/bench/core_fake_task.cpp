@@ -40,9 +40,13 @@ constexpr Behaviour calm[] = {
 };
 // Only among the hard cases, where they cannot take the program with them.
 constexpr Behaviour wild[] = {
-    {"segfault", Source::peer, Claim::exact, 0, 50}, {"segfault_build", Source::peer, Claim::exact, 0, 50},
-    {"aborts", Source::peer, Claim::exact, 0, 50},   {"hangs", Source::peer, Claim::exact, 0, 50},
-    {"devours", Source::peer, Claim::exact, 0, 50},  {"exits", Source::peer, Claim::exact, 0, 50},
+    {"segfault", Source::peer, Claim::exact, 0, 50},
+    {"segfault_build", Source::peer, Claim::exact, 0, 50},
+    {"segfault_late", Source::peer, Claim::exact, 0, 50},
+    {"aborts", Source::peer, Claim::exact, 0, 50},
+    {"hangs", Source::peer, Claim::exact, 0, 50},
+    {"devours", Source::peer, Claim::exact, 0, 50},
+    {"exits", Source::peer, Claim::exact, 0, 50},
 };
 
 constexpr std::size_t bytes_per_element = 64;  // that a build keeps, for the count of bytes
@@ -68,6 +72,7 @@ class FakeSubject : public Subject {
     if (name_ == "unable" && set == 1) throw Unsupported("knows only forward");
     if (name_ == "greedy") throw std::bad_alloc();
     if (name_ == "segfault" && set == 1) segfault();
+    if (name_ == "segfault_late" && knobs.contains("late")) segfault();
     if (name_ == "aborts") std::fputs("the wolf is at the door\n", stderr), std::abort();
     if (name_ == "hangs")
       for (;;) pause();
@@ -161,6 +166,7 @@ FakeTask::FakeTask() {
       info.name = "wrong", info.source = Source::ours;
     if (info.name == "close") info.build_knobs = {{{"scale", 1.0}}, {{"scale", 2.0}}};
     if (info.name == "rough") info.query_knobs = {Knobs::object(), {{"slower", 10.0}}};
+    if (info.name == "segfault_late") info.query_knobs = {Knobs::object(), {{"late", true}}};
     if (info.name == "small_only") info.largest_n = 500;
     methods_.push_back(info);
   };

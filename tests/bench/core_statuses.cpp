@@ -67,6 +67,7 @@ TEST(Statuses, EveryWayToFailAHardCase) {
   EXPECT_EQ(found.at("unable"), (Counts{{"ok", 2}, {"unsupported", 2}}));
   EXPECT_EQ(found.at("segfault"), (Counts{{"ok", 2}, {"crashed", 2}}));
   EXPECT_EQ(found.at("segfault_build"), (Counts{{"crashed", 4}}));
+  EXPECT_EQ(found.at("segfault_late"), (Counts{{"ok", 4}, {"crashed", 4}}));
   EXPECT_EQ(found.at("aborts"), (Counts{{"crashed", 4}}));
   EXPECT_EQ(found.at("exits"), (Counts{{"crashed", 4}}));
   EXPECT_EQ(found.at("hangs"), (Counts{{"timeout", 4}}));
@@ -95,6 +96,10 @@ TEST(Statuses, PeersThatCrashOnAFileCostTheirRowsOnly) {
   EXPECT_EQ(found.at("refuses"), (Counts{{"refused", 2}}));
   for (const char* method : {"segfault", "segfault_build", "aborts", "exits"})
     EXPECT_EQ(found.at(method), (Counts{{"crashed", 2}})) << method;
+  EXPECT_EQ(found.at("segfault_late"), (Counts{{"crashed", 4}})) << "at its second query knobs";
+  EXPECT_NE(one_row(read_rows(folder / "rows"), "segfault_late")["reason"].get<std::string>().find(
+                "(in forward late=true)"),
+            std::string::npos);
   EXPECT_NE(one_row(read_rows(folder / "rows"), "aborts")["reason"].get<std::string>().find("wolf"),
             std::string::npos);
 

@@ -121,9 +121,7 @@ TEST(RayJudge, LetsASilhouetteGoEitherWay) {
 }
 
 TEST(RayJudge, DrawsTheLineAtEps) {
-  Judge judge(mesh, u);
-  const double eps = judge.eps(aside);
-  EXPECT_DOUBLE_EQ(eps, 32 * u * 4) << "the largest coordinate is 4";
+  const double eps = 32 * u * 2;  // the largest coordinate is the origin's 2
   for (const double share : {0.5, 2.0}) {
     const Rayf out{{static_cast<float>(1 + share * eps), 0.5f, 2}, {0, 0, -1}};
     const bool within = share < 1;
@@ -132,6 +130,72 @@ TEST(RayJudge, DrawsTheLineAtEps) {
     const Rayf in{{static_cast<float>(1 - share * eps), 0.5f, 2}, {0, 0, -1}};
     EXPECT_EQ(closest(in, {}).counts_as_right(), within);
     EXPECT_EQ(any(in, false).counts_as_right(), within);
+  }
+}
+
+TEST(RayJudge, TakesTheScaleFromTheTrianglesInvolved) {
+  const Judge judge(mesh, u);
+  EXPECT_DOUBLE_EQ(judge.eps(inside, {}), 32 * u * 2) << "the ray's origin";
+  EXPECT_DOUBLE_EQ(judge.eps(inside, std::vector<accel::Id>{0, 4}), 32 * u * 4) << "face 4 reaches to x = 4";
+  EXPECT_DOUBLE_EQ(judge.eps(inside, std::vector<accel::Id>{0, 1000, accel::no_id}), 32 * u * 2)
+      << "no faces";
+}
+
+/// The same with a triangle far away, face 5, which no ray here comes near, and one that reaches from the
+/// origin to there, far below both squares, face 6.
+Mesh3f with_strays() {
+  Mesh3f far = mesh;
+  far.vertices.insert(far.vertices.end(),
+                      {{1e6f, 1e6f, 1e6f}, {1e6f, 1e6f + 1, 1e6f}, {1e6f, 1e6f, 1e6f + 1}});
+  far.vertices.insert(far.vertices.end(), {{-1, -1, -20}, {1e6f, -1, -20}, {-1, 1e6f, -20}});
+  far.faces.push_back({11, 12, 13}), far.faces.push_back({14, 15, 16});
+  return far;
+}
+
+TEST(RayJudge, AStrayTriangleFarAwayExcusesNothing) {
+  const Mesh3f far = with_strays();
+  Judge judge(far, u);
+  std::size_t number = 0;
+  const auto verdict = [&](const Rayf& ray, const RayAnswer& answer) {
+    return judge.closest(number++, ray, true_closest(far, std::vector{ray}, 1)[0], answer).verdict;
+  };
+  const auto any_verdict = [&](const Rayf& ray, bool answer) {
+    return judge.any(number++, ray, true_closest(far, std::vector{ray}, 1)[0], answer).verdict;
+  };
+  // A thousand times what a ray test may be off by, and a thousandth of what the far corners would allow.
+  const auto off = static_cast<float>(1000 * 32 * u * 2);
+  ASSERT_LT(off, 32 * u * 1e6 / 100);
+  EXPECT_EQ(verdict(inside, hit(2 + off, 0)), Verdict::wrong_t);
+  EXPECT_EQ(verdict(inside, hit(2 - off, 0)), Verdict::wrong_t);
+  Rayf out = at_rim, in = at_rim;
+  out.origin[0] += off, in.origin[0] -= off;
+  for (Rayf* ray : {&out, &in}) ray->t_max = 2.5f;  // before the lower square
+  EXPECT_EQ(verdict(out, hit(2, 0)), Verdict::false_hit);
+  EXPECT_EQ(verdict(in, {}), Verdict::false_miss);
+  EXPECT_EQ(any_verdict(out, true), Verdict::false_hit);
+  EXPECT_EQ(any_verdict(in, false), Verdict::false_miss);
+  // A ray that meets nothing else than face 6 may be wrong by its size.
+  const Rayf below{{0.75f, 0.25f, -19.5f}, {0, 0, -1}};
+  EXPECT_EQ(verdict(below, hit(0.5f + off, 6)), Verdict::right);
+}
+
+TEST(RayJudge, TakesTheScaleFromWhatTheRayMeetsOnItsWay) {
+  // The ray passes just inside the rim of face 0, well inside the rim of face 1, and ends on face 2. Whether
+  // a ray test may miss face 1 hangs on how far that face reaches.
+  for (const float reach : {1.0f, 1e4f}) {
+    const Mesh3f stack{{{0, -1, -1},
+                        {0, 1, -1},
+                        {1, 0, -1},
+                        {-0.001f, -1, -2},
+                        {-0.001f, 1, -2},
+                        {reach, 0, -2},
+                        {-1, -1, -3},
+                        {-1, 1, -3},
+                        {1, 0, -3}},
+                       {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}}};
+    const Rayf ray{{1e-7f, 0, 0}, {0, 0, -1}};
+    const Judged j = Judge(stack, u).closest(0, ray, true_closest(stack, std::vector{ray}, 1)[0], hit(3, 2));
+    EXPECT_EQ(j.verdict, reach == 1 ? Verdict::false_miss : Verdict::borderline);
   }
 }
 
@@ -144,6 +208,23 @@ TEST(RayJudge, CountsALeakAtAnInnerEdgeAsFalseButExcusesApproximateMethods) {
   EXPECT_TRUE(closest(at_diagonal, hit(3, 2)).excused);
   EXPECT_TRUE(any(at_diagonal, false).excused);
   EXPECT_FALSE(any(inside, false).excused);
+}
+
+TEST(RayJudge, ExcusesTheTOfAThinTriangleByItsThinness) {
+  const Mesh3f needle{{{-4, -0.005f, 0}, {4, -0.005f, 0}, {0, 0.005f, 0}}, {{0, 1, 2}}};
+  const Rayf ray{{0.5f, 0, 2}, {0, 0, -1}};
+  const double eps = 32 * u * 4, thinness = 8 / 0.01;
+  const auto judged = [&](double off) {
+    Judge judge(needle, u);
+    return judge.closest(0, ray, true_closest(needle, std::vector{ray}, 1)[0],
+                         hit(static_cast<float>(2 + off), 0));
+  };
+  EXPECT_EQ(judged(0.5 * eps).verdict, Verdict::right);
+  for (const double share : {0.1, 0.9, 2.0}) {
+    const Judged j = judged(share * thinness * eps);
+    EXPECT_EQ(j.verdict, Verdict::wrong_t);
+    EXPECT_EQ(j.excused, share < 1) << share;
+  }
 }
 
 TEST(RayJudge, IsStricterWithExactMethods) {

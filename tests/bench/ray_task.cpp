@@ -88,9 +88,22 @@ TEST(RayTask, AsksAllThatItSays) {
       EXPECT_GT(set.size, 200u) << "rays that miss are filled up: " << name << " " << set.name;
       EXPECT_LE(set.size, 256u);
     }
-    EXPECT_EQ(names, (std::set<std::string>{"camera", "camera_any", "diffuse", "shadow"}));
+    EXPECT_EQ(names, (std::set<std::string>{"camera", "camera_any", "diffuse", "shadow", "edge"}));
     for (const auto& advised : task.advise_on()) EXPECT_TRUE(names.contains(advised));
   }
+}
+
+TEST(RayTask, RefusesRaySetsThatMeasureNothing) {
+  std::vector<RaySet> sets{
+      {"camera", false, {geometry::Rayf{}}, 0}, {"diffuse", false, {}, 1}, {"edge", false, {}, 2}};
+  try {
+    refuse_empty(sets);
+    FAIL() << "empty sets were taken";
+  } catch (const std::invalid_argument& e) {
+    EXPECT_NE(std::string(e.what()).find("diffuse, edge"), std::string::npos) << e.what();
+  }
+  sets.resize(1);
+  EXPECT_NO_THROW(refuse_empty(sets));
 }
 
 TEST(RayTask, RefusesWhatIsNoMesh) {

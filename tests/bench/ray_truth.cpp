@@ -101,6 +101,31 @@ TEST(RayTruth, KeepsItsConventions) {
   EXPECT_FALSE(shoot(flat, {{1, 0, 2}, {0, 0, -1}})) << "no area, no hit";
 }
 
+TEST(RayTruth, FindsEveryFaceNearARay) {
+  const auto mesh = datasets::generate("architecture", 1000, 3).mesh;
+  std::vector<accel::Id> all(mesh.size());
+  for (std::size_t f = 0; f < all.size(); ++f) all[f] = static_cast<accel::Id>(f);
+  std::size_t kept = 0, boxes = 0;
+  for (const auto& set : make_ray_sets(mesh, 9, 5, 1))
+    for (const Rayf& r : set.rays) {
+      const Rayd ray{Vec3d(r.origin), Vec3d(r.direction), r.t_min, r.t_max};
+      for (const double distance : {0.0, 1e-9, 1e-4, 0.1}) {
+        const auto near = faces_near(mesh, ray, distance);
+        kept += near.size();
+        // What a ray moved by the distance hits must be among them.
+        for (int axis = 0; axis < 3; ++axis)
+          for (const double side : {-distance, distance}) {
+            Rayd moved = ray;
+            moved.origin[axis] += side;
+            const TrueHit hit = exact_closest(mesh, all, moved);
+            ASSERT_EQ(exact_closest(mesh, near, moved), hit) << set.name << " " << distance;
+            ++boxes;
+          }
+      }
+    }
+  EXPECT_LT(kept, boxes * 4) << "few of the thousand";
+}
+
 TEST(RayTruth, DoesNotDependOnThreads) {
   const auto mesh = datasets::generate("forest", 2000, 3).mesh;
   for (const auto& set : make_ray_sets(mesh, 256, 5, 1))

@@ -35,7 +35,7 @@ RAY = (
     ("embree_single", "bvh", "peer", "approximate", [{"quality": q} for q in ("low", "medium", "high")], [{}],
      300, 3e-8, 700, 66),
     ("embree_packet8", "bvh", "peer", "approximate", [{"quality": "medium"}], [{}], 240, 3e-8, 700, 66),
-    ("embree_packet16", "bvh", "peer", "approximate", [{"quality": "medium"}], [{}], 220, 3e-8, 700, 66),
+    ("embree_packet16", "bvh", "peer", "approximate", [{"quality": "medium"}], [{}], 220, 0, 700, 66),
     ("cgal_aabb", "bvh", "peer", "exact", [{}], [{}], 2900, 0, 900, 90),
 )  # fmt: skip
 TASKS = {

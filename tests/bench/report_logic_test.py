@@ -181,13 +181,27 @@ class Advice(unittest.TestCase):
         self.assertEqual((best.method, below.method, limit), ("kd_tree", "forest", ("k8", "bias", 0.3)))
         self.assertEqual(ladder[0].limit(1.0), ("k8", "wrong", None))
 
+    def test_no_error_seen_is_no_promise(self):
+        """At or below the floor of 1e-7 a claim is asked for; above it, what was measured is enough."""
+        for claim in rows.CLAIMS:
+            ladder = self.ladder(made(("m", "kd", "peer", claim), 10), made(METHOD, 90))
+            weak = claim in ("approximate", "stochastic")
+            for tolerance in (0, 1e-9, 1e-7):
+                best, _, limit = advice.advise(ladder, tolerance)
+                told = ("kd_tree", ("k8", f"its claim is {claim}", None)) if weak else ("m", None)
+                self.assertEqual((best.method, limit), told)
+            self.assertEqual(advice.advise(ladder, 2e-7)[0].method, "m")
+        best, below, limit = advice.advise(
+            self.ladder(made(LOOSE, 10), made(LOOSE, 10, 0.2, query_set="box"), sets=("k8", "box")), 0)  # fmt: skip
+        self.assertEqual((best, limit), (None, ("box", "error", 0.2)))  # an error says more than the claim
+
     def test_nothing_holds(self):
         best, below, limit = advice.advise(self.ladder(made(LOOSE, 10, 0.3)), 0)
         self.assertEqual((best, below.method, limit), (None, "forest", ("k8", "error", 0.3)))
 
     def test_is_the_minimum_by_brute_force(self):
         rng = random.Random(5)
-        ladder = self.ladder(*(made(LOOSE, rng.uniform(1, 99), rng.choice((0, 1e-4, 1e-2, 0.3)), build={"i": i},
+        ladder = self.ladder(*(made(METHOD, rng.uniform(1, 99), rng.choice((0, 1e-4, 1e-2, 0.3)), build={"i": i},
                                     error_max=rng.choice((0, 1e-3, 0.5))) for i in range(40)))  # fmt: skip
         for tolerance in (0, 1e-4, 1e-3, 0.1, 1):
             holding = [r.cost for r in ladder if max(r.rows[0].error, r.rows[0].error_max) <= tolerance]

@@ -1,6 +1,7 @@
 // The advice: the cheapest configuration that meets the tolerance on every stated metric; ../advice.py says the same.
 "use strict";
 const METRICS = { error: "mean error", error_max: "worst error", error_p99: "99 % quantile", error_mean: "mean of all answers", bias: "bias" };
+const PROMISES = ["exact", "bounded"]; // claims that hold for queries that were not measured
 
 /// Slider position 0 is exact; then ten steps a decade from 1e-12 to 1.
 const toleranceAt = (position) => (position === 0 ? 0 : Number(Math.pow(10, -12 + (position - 1) / 10).toPrecision(3)));
@@ -32,6 +33,10 @@ function limitOf(rung, tolerance) {
     for (const m in METRICS) if (r[m] !== null && Math.abs(r[m]) > allowed) return { set: r.set, name: METRICS[m], figure: Math.abs(r[m]) };
     if (r.error === null) return { set: r.set, name: "no measured error", figure: null };
   }
+  // Down there a promise is asked for, and a sample without errors is none.
+  for (const r of rung.rows)
+    if (!PROMISES.includes(r.claim) && tolerance <= (r.floor || 0))
+      return { set: r.set, name: `its claim is ${r.claim}: no error seen here promises none elsewhere`, figure: null };
   return null;
 }
 
