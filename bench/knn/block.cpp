@@ -96,6 +96,7 @@ struct Opening {
   int task_version = 0;
   int truth_threads = 1;
   bool must_answer = false;
+  bool quick = false;
   std::string truth_cache;
 };
 
@@ -112,6 +113,7 @@ class KnnBlock final : public Block {
   std::size_t n() const override { return opening_.points.size(); }
   std::uint64_t seed() const override { return opening_.seed; }
   std::uint64_t dataset_hash() const override { return opening_.hash; }
+  bool quick() const override { return opening_.quick; }
 
   std::unique_ptr<Subject> build(std::size_t m, const Knobs& knobs, int threads) override {
     auto subject = std::make_unique<KnnSubject>(questions_, opening_.must_answer);
@@ -212,6 +214,7 @@ std::unique_ptr<Block> open_block(const std::vector<Method>& methods, datasets::
   o.task_version = task_version;
   o.truth_threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   o.truth_cache = context.truth_cache;
+  o.quick = context.profile == Profile::quick;
   o.points = dataset.kind == datasets::Kind::cloud ? std::move(dataset.cloud.points)
                                                    : std::move(dataset.mesh.vertices);
   const int threads = o.truth_threads;

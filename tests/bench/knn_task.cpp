@@ -5,8 +5,10 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 
+#include "bench/core/cells.hpp"
 #include "bench/knn/questions.hpp"
 
 namespace treeline::bench::knn {
@@ -28,9 +30,9 @@ TEST(KnnTask, EveryMethodIsBuiltOrNamedAsNotBuilt) {
     names.insert(method);
     EXPECT_FALSE(package.empty()) << method;
   }
-  EXPECT_EQ(names,
-            (std::multiset<std::string>{"brute", "bsp_tree", "bvh", "cgal_kdtree", "flann_forest",
-                                        "flann_single", "kd_tree", "nanoflann", "pcl_kdtree", "pcl_octree"}));
+  EXPECT_EQ(names, (std::multiset<std::string>{"brute", "bsp_tree", "bvh", "cgal_kdtree", "flann_forest",
+                                               "flann_kmeans", "flann_single", "kd_tree", "nanoflann",
+                                               "pcl_kdtree", "pcl_octree"}));
 }
 
 TEST(KnnTask, KnobsAreFlatObjectsAndPeersNameTheirVersion) {
@@ -95,6 +97,22 @@ TEST(KnnTask, EveryMethodKeepsItsClaimOnSmallClouds) {
             EXPECT_GE(*errors.bias, info.claim == Claim::exact ? 0.0 : -1.0) << cell;
           }
       }
+    }
+  }
+}
+
+TEST(KnnTask, QuickProfileMeasuresTheBestBuildsOnly) {
+  for (const Profile profile : {Profile::smoke, Profile::quick, Profile::full}) {
+    RunContext context = smoke();
+    context.profile = profile;
+    const BlockSpec spec{"uniform_cube", 1000};
+    std::map<std::size_t, std::set<std::size_t>> measured;
+    for (const Cell& cell : cells_of(task(), facts_of(spec, *task().open(spec, context)), 1))
+      measured[cell.method].insert(cell.build);
+    for (std::size_t m = 0; m < task().methods().size(); ++m) {
+      const MethodInfo& info = task().methods()[m];
+      const std::size_t most = profile == Profile::quick ? info.quick_builds : SIZE_MAX;
+      EXPECT_EQ(measured[m].size(), std::min(most, info.build_knobs.size())) << info.name;
     }
   }
 }
