@@ -16,9 +16,10 @@ using geometry::Vec3f;
 
 namespace {
 
-constexpr std::size_t average = 30;                  // neighbours of a radius or box query
-constexpr std::size_t sampled_points = 64;           // on which radius and box are sized
-constexpr double enlarged = 0.1;                     // of the box's widest side, for queries off the cloud
+constexpr std::size_t average = 30;         // neighbours of a radius or box query
+constexpr std::size_t sampled_points = 64;  // on which radius and box are sized
+constexpr double enlarged = 0.1;            // of the box's widest side, for queries off the cloud
+constexpr std::size_t most_far = 64;        // a tree that bounds by planes visits every leaf for each of them
 constexpr double nearest_far = 2, farthest_far = 4;  // diagonals of the box from its centre
 
 // The first `count` of a random permutation of [0, n) (Fisher and Yates).
@@ -130,7 +131,7 @@ Questions questions_about(const DoubleScan& cloud, std::size_t count, std::uint6
   const Box3f box = cloud.box();
   for (const std::uint32_t i : random_choice(cloud.size(), count, random)) self.push_back(cloud.point(i));
   q.points[Questions::off] = off_cloud(box, count, random);
-  q.points[Questions::far] = far_around(box, count, random);
+  q.points[Questions::far] = far_around(box, std::min(count, most_far), random);
   q.order = morton_order(self, box);
   for (const std::uint32_t i : q.order) q.points[Questions::sorted].push_back(self[i]);
 

@@ -3,7 +3,7 @@
 // knn1_self, knn8_self, knn32_self, knn100_self: points of the cloud itself, in random order. knn8_sorted:
 // the same along a Morton curve, so that the next query finds the last one's cells in the cache. knn1_off,
 // knn8_off, knn32_off: uniform in the cloud's box, enlarged by a tenth: positions off its surface, where
-// published benchmarks seldom look. knn8_far: from all around at two to four diagonals of the box, where
+// published benchmarks seldom look. knn8_far: few, from all around at two to four diagonals of the box, where
 // whole faces of the cloud are about as near. radius_self: a radius that holds 30 neighbours on average.
 // box_self: cubes around points, 30 points on average.
 #pragma once
