@@ -166,9 +166,10 @@ Questions questions_of(const datasets::HardCase& hard_case, const DoubleScan& cl
   std::vector<Vec3f> sample;
   for (const std::uint32_t i : spread_sample(cloud.size(), sampled_points)) sample.push_back(cloud.point(i));
   q.spacing = median_spacing(cloud, sample);
-  if (!(hard_case.radius >= 0)) return q;
-  q.radius = hard_case.radius;
+  if (!hard_case.radius) return q;
+  q.radius = *hard_case.radius;
   q.sets.push_back({"radius", Kind::within, 0, Questions::self});
+  if (!(q.radius >= 0)) return q;
   for (const Vec3f& p : self)
     if (!geometry::is_finite(p)) return q;
   for (const Vec3f& p : self) q.boxes.push_back(cube(p, q.radius));

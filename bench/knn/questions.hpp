@@ -46,7 +46,7 @@ struct Questions {
 Questions questions_about(const DoubleScan& cloud, std::size_t count, std::uint64_t seed, int threads);
 
 /// The queries of a hard case at its k, and, where it has a radius, radius and box queries (the cube of
-/// that half width) too. Boxes are left out if a query is not finite.
+/// that half width) too. Boxes are left out if a query is not finite or the radius negative.
 Questions questions_of(const datasets::HardCase& hard_case, const DoubleScan& cloud);
 
 }  // namespace treeline::bench::knn
