@@ -90,7 +90,7 @@ std::unique_ptr<Block> KnnTask::open(datasets::Dataset dataset, const RunContext
 
 void KnnTask::pictures(const BlockSpec& spec, const RunContext& context, const std::string& folder) const {
   const datasets::Dataset dataset = datasets::generate(spec.dataset, spec.n, context.seed);
-  write_slice_pictures(methods_, dataset.cloud.points, spec.label(), folder);
+  write_pictures(methods_, dataset.cloud.points, spec.label(), folder);
 }
 
 }  // namespace treeline::bench::knn
