@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "bench/core/break_even.hpp"
 #include "bench/core/cells.hpp"
 #include "bench/core/table.hpp"
 
@@ -152,7 +153,7 @@ std::string format_advice(const Advice& advice, double tolerance, const std::str
   std::string line = again;
   if (const std::size_t at = line.find("%FILTER%"); at != std::string::npos)
     line.replace(at, 8, filter_of(rung));
-  return out + "  again  " + line + "\n";
+  return out + format_break_even(advice) + "  again  " + line + "\n";
 }
 
 }  // namespace treeline::bench

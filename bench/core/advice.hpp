@@ -29,7 +29,8 @@ struct Advice {
 /// left out. Errors are held against the tolerance, or against the truth's own error where that is larger.
 Advice advise(const Task&, const std::vector<Row>&, const std::vector<std::string>& sets, double tolerance);
 
-/// For people. `again` is a command line that measures the chosen rung alone; %FILTER% in it is replaced.
+/// For people, with the number of queries below which a cheaper build is worth more (break_even.hpp). `again`
+/// is a command line that measures the chosen rung alone; %FILTER% in it is replaced.
 std::string format_advice(const Advice&, double tolerance, const std::string& again);
 
 }  // namespace treeline::bench

@@ -48,7 +48,7 @@ bool Filter::matches(const std::string& name) const {
 }
 
 BlockFacts facts_of(const BlockSpec& spec, const Block& block) {
-  return {spec, block.n(), block.seed(), block.dataset_hash(), block.query_sets()};
+  return {spec, block.n(), block.seed(), block.dataset_hash(), block.query_sets(), block.quick()};
 }
 
 std::vector<Cell> cells_of(const Task& task, const BlockFacts& facts, int threads) {
@@ -57,6 +57,7 @@ std::vector<Cell> cells_of(const Task& task, const BlockFacts& facts, int thread
   for (std::size_t m = 0; m < methods.size(); ++m)
     for (std::size_t b = 0; b < methods[m].build_knobs.size(); ++b) {
       if (b > 0 && facts.n > methods[m].sweep_up_to_n) break;
+      if (facts.quick && b >= methods[m].quick_builds) break;
       for (std::size_t s = 0; s < facts.query_sets.size(); ++s)
         for (std::size_t q = 0; q < methods[m].query_knobs.size(); ++q) {
           Cell cell{m, b, q, s, "", row_of(task, facts, facts.query_sets[s], threads)};

@@ -39,6 +39,7 @@ struct BlockFacts {
   std::size_t n = 0;
   std::uint64_t seed = 0, hash = 0;
   std::vector<QuerySet> query_sets;
+  bool quick = false;
 };
 BlockFacts facts_of(const BlockSpec&, const Block&);
 

@@ -49,7 +49,7 @@ Stress::Case Stress::open(const BlockSpec& spec) {
   };
   const Ending ending = run_isolated(tell, {.seconds = 600, .memory = 0}, [&](const std::string& line) {
     const Json told = Json::parse(line);
-    out.facts = {spec, told["n"], told["seed"], told["hash"], {}};
+    out.facts = {spec, told["n"], told["seed"], told["hash"], {}, false};
     for (const Json& set : told["sets"]) out.facts.query_sets.push_back({set["name"], set["size"]});
     threads = told["threads"];
   });

@@ -47,6 +47,7 @@ struct MethodInfo {
   std::vector<std::size_t> stress_builds{0};        // which of build_knobs face the hard cases
   int ladder = 0;  // order from the least model to the richest, for advice at equal cost
   std::size_t sweep_up_to_n = SIZE_MAX;  // above, only the first of build_knobs
+  std::size_t quick_builds = SIZE_MAX;   // so many of build_knobs, the best first, in the quick profile
   std::size_t largest_n = SIZE_MAX;      // not run above (brute force); the row says `unsupported`
 };
 
@@ -68,6 +69,8 @@ class Block {
   virtual std::size_t n() const = 0;
   virtual std::uint64_t seed() const = 0;
   virtual std::uint64_t dataset_hash() const = 0;
+  /// Whether time is short: then only MethodInfo::quick_builds of each method are measured.
+  virtual bool quick() const { return false; }
 };
 
 struct BlockSpec {

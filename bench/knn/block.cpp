@@ -1,5 +1,7 @@
 #include "bench/knn/block.hpp"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <new>
 #include <thread>
@@ -29,20 +31,21 @@ class KnnSubject final : public Subject {
   void run(std::size_t query_set, const Knobs& knobs, int threads) override {
     if (!index_) return;  // its refusal is kept
     refusal_.clear();
+    visits_.reset();
     guarded([&] { ask(questions_.sets[query_set], knobs, threads); });
   }
 
   std::optional<std::pair<double, double>> work(std::size_t query_set, const Knobs&) override {
-    if (!index_ || !refusal_.empty()) return std::nullopt;
-    const Questions::Set& set = questions_.sets[query_set];
-    const std::size_t n = questions_.size_of(set);
-    const auto work = set.kind == Kind::nearest ? index_->nearest_work(questions_.points_of(set), set.k)
-                      : set.kind == Kind::within
-                          ? index_->within_work(questions_.points_of(set), questions_.radius)
-                          : index_->inside_work(questions_.boxes);
-    if (!work || n == 0) return std::nullopt;
-    const double scale = 1.0 / static_cast<double>(n);
-    return std::pair{scale * static_cast<double>(work->nodes), scale * static_cast<double>(work->primitives)};
+    const auto& seen = visits(query_set);
+    const auto n = static_cast<double>(questions_.size_of(questions_.sets[query_set]));
+    if (!seen || n == 0) return std::nullopt;
+    return std::pair{static_cast<double>(seen->nodes) / n, static_cast<double>(seen->primitives) / n};
+  }
+
+  /// What the whole query set touched that ran last; counted when first asked for.
+  const std::optional<Visits>& visits(std::size_t query_set) const {
+    if (!visits_ && index_ && refusal_.empty()) visits_ = counted(questions_.sets[query_set]);
+    return visits_;
   }
 
   const std::vector<Id>& ids() const { return ids_; }
@@ -50,6 +53,18 @@ class KnnSubject final : public Subject {
   const std::string& refusal() const { return refusal_; }
 
  private:
+  std::optional<Visits> counted(const Questions::Set& set) const {
+    switch (set.kind) {
+      case Kind::nearest:
+        return index_->nearest_visits(questions_.points_of(set), set.k);
+      case Kind::within:
+        return index_->within_visits(questions_.points_of(set), questions_.radius);
+      case Kind::inside:
+        return index_->inside_visits(questions_.boxes);
+    }
+    return std::nullopt;
+  }
+
   void ask(const Questions::Set& set, const Knobs& knobs, int threads) {
     switch (set.kind) {
       case Kind::nearest: {
@@ -88,6 +103,7 @@ class KnnSubject final : public Subject {
   std::vector<Id> ids_;
   Lists<Id> lists_;
   std::string refusal_;
+  mutable std::optional<Visits> visits_;
 };
 
 struct Opening {
@@ -96,6 +112,7 @@ struct Opening {
   int task_version = 0;
   int truth_threads = 1;
   bool must_answer = false;
+  bool quick = false;
   std::string truth_cache;
 };
 
@@ -112,6 +129,7 @@ class KnnBlock final : public Block {
   std::size_t n() const override { return opening_.points.size(); }
   std::uint64_t seed() const override { return opening_.seed; }
   std::uint64_t dataset_hash() const override { return opening_.hash; }
+  bool quick() const override { return opening_.quick; }
 
   std::unique_ptr<Subject> build(std::size_t m, const Knobs& knobs, int threads) override {
     auto subject = std::make_unique<KnnSubject>(questions_, opening_.must_answer);
@@ -130,27 +148,40 @@ class KnnBlock final : public Block {
     }
     const Questions::Set& set = questions_.sets[number];
     const Claim claim = methods_[m].info.claim;
-    if (set.kind == Kind::nearest)
-      return nearest_errors(opening_.points, questions_.points_of(set), set.k, answers.ids(),
-                            nearest_truth_of(set), claim);
-    return range_errors(answers.lists(), range_truth_of(number), claim);
+    Errors e = set.kind == Kind::nearest ? nearest_errors(opening_.points, questions_.points_of(set), set.k,
+                                                          answers.ids(), nearest_truth_of(set.place), claim)
+                                         : range_errors(answers.lists(), range_truth_of(number), claim);
+    const std::size_t queries = questions_.size_of(set);
+    if (const auto& seen = answers.visits(number); seen && queries > 0)
+      e.extra["knn_leaves"] = static_cast<double>(seen->leaves) / static_cast<double>(queries);
+    return e;
   }
 
  private:
-  std::vector<std::uint32_t> sample(const Questions::Set& set) const {
-    const std::size_t size = questions_.size_of(set);
-    return spread_sample(size, checked_queries(scan_.size(), size));
+  std::vector<std::uint32_t> sample(std::size_t queries) const {
+    return spread_sample(queries, checked_queries(scan_.size(), queries));
   }
 
   // One truth serves all sets that ask at the same points: the one of largest k.
-  const NearestTruth& nearest_truth_of(const Questions::Set& set) {
-    std::optional<NearestTruth>& truth = set.off ? off_truth_ : self_truth_;
+  const NearestTruth& nearest_truth_of(Questions::Place place) {
+    std::optional<NearestTruth>& truth = nearest_truths_[place];
     if (truth) return *truth;
+    if (place == Questions::sorted) {  // the same queries under other numbers
+      truth = nearest_truth_of(Questions::self);
+      std::vector<std::uint32_t> number(questions_.order.size());
+      for (std::uint32_t i = 0; i < number.size(); ++i) number[questions_.order[i]] = i;
+      for (std::uint32_t& i : truth->sample) i = number[i];
+      return *truth;
+    }
     std::size_t k = 0;
-    for (const Questions::Set& s : questions_.sets)
-      if (s.kind == Kind::nearest && s.off == set.off) k = std::max(k, s.k);
-    truth = cached<NearestTruth>(set.off ? "knn_off" : "knn_self", k, nearest_from_bytes, [&] {
-      return nearest_truth(scan_, questions_.points_of(set), k, sample(set), opening_.truth_threads);
+    for (const Questions::Set& s : questions_.sets) {
+      const Questions::Place asked_at = s.place == Questions::sorted ? Questions::self : s.place;
+      if (s.kind == Kind::nearest && asked_at == place) k = std::max(k, s.k);
+    }
+    const std::vector<Vec3f>& queries = questions_.points[place];
+    constexpr const char* parts[] = {"knn_self", "knn_sorted", "knn_off", "knn_far"};
+    truth = cached<NearestTruth>(parts[place], k, nearest_from_bytes, [&] {
+      return nearest_truth(scan_, queries, k, sample(queries.size()), opening_.truth_threads);
     });
     return *truth;
   }
@@ -161,9 +192,10 @@ class KnnBlock final : public Block {
     const Questions::Set& set = questions_.sets[number];
     const bool within = set.kind == Kind::within;
     truth = cached<RangeTruth>(within ? "knn_within" : "knn_inside", 0, range_from_bytes, [&] {
-      return within ? within_truth(scan_, questions_.points_of(set), questions_.radius, sample(set),
+      auto asked = sample(questions_.size_of(set));
+      return within ? within_truth(scan_, questions_.points_of(set), questions_.radius, std::move(asked),
                                    opening_.truth_threads)
-                    : inside_truth(scan_, questions_.boxes, sample(set), opening_.truth_threads);
+                    : inside_truth(scan_, questions_.boxes, std::move(asked), opening_.truth_threads);
     });
     return *truth;
   }
@@ -183,10 +215,10 @@ class KnnBlock final : public Block {
   }
 
   std::uint64_t query_hash(std::size_t k) const {
-    std::uint64_t h = geometry::hash_u64(k, questions_.self.size());
+    std::uint64_t h = geometry::hash_u64(k, questions_.points[Questions::self].size());
     const auto add = [&](float x) { h = geometry::hash_u64(h, std::bit_cast<std::uint32_t>(x)); };
-    for (const auto* list : {&questions_.self, &questions_.off})
-      for (const Vec3f& p : *list) add(p[0]), add(p[1]), add(p[2]);
+    for (const auto& list : questions_.points)
+      for (const Vec3f& p : list) add(p[0]), add(p[1]), add(p[2]);
     for (const Box3f& b : questions_.boxes)
       for (int a = 0; a < 3; ++a) add(b.low[a]), add(b.high[a]);
     add(questions_.radius);
@@ -198,25 +230,30 @@ class KnnBlock final : public Block {
   const DoubleScan scan_;
   const Questions questions_;
   std::vector<QuerySet> sets_;
-  std::optional<NearestTruth> self_truth_, off_truth_;
+  std::array<std::optional<NearestTruth>, Questions::places> nearest_truths_;
   std::vector<std::optional<RangeTruth>> range_truths_;
 };
 
 }  // namespace
 
 std::unique_ptr<Block> open_block(const std::vector<Method>& methods, datasets::Dataset dataset,
-                                  std::size_t queries_a_set, int task_version, const RunContext& context) {
+                                  const Asked& asked, int task_version, const RunContext& context) {
   Opening o;
   o.seed = dataset.seed;
   o.hash = dataset.hash();
   o.task_version = task_version;
   o.truth_threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   o.truth_cache = context.truth_cache;
+  o.quick = context.profile == Profile::quick;
   o.points = dataset.kind == datasets::Kind::cloud ? std::move(dataset.cloud.points)
                                                    : std::move(dataset.mesh.vertices);
   const int threads = o.truth_threads;
   return std::make_unique<KnnBlock>(methods, std::move(o), [&](const DoubleScan& scan) {
-    return questions_about(scan, queries_a_set, context.seed, threads);
+    Questions questions = questions_about(scan, asked.queries, context.seed, threads);
+    if (!asked.sets.empty())
+      std::erase_if(questions.sets,
+                    [&](const auto& set) { return std::ranges::count(asked.sets, set.name) == 0; });
+    return questions;
   });
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "bench/core/task.hpp"
@@ -10,9 +11,15 @@
 
 namespace treeline::bench::knn {
 
+/// What a block asks: at most so many queries in each of the named sets of questions.hpp; no name: in all.
+struct Asked {
+  std::size_t queries = 0;
+  std::vector<std::string> sets;
+};
+
 /// A block over a cloud or the vertices of a mesh. Truths are computed when first needed, by all cores, and
 /// cached. Methods must outlive the block.
-std::unique_ptr<Block> open_block(const std::vector<Method>&, datasets::Dataset, std::size_t queries_a_set,
+std::unique_ptr<Block> open_block(const std::vector<Method>&, datasets::Dataset, const Asked&,
                                   int task_version, const RunContext&);
 
 /// A block over a hard case. Starts no threads. Where the case must be answered, a refusal is a wrong answer.

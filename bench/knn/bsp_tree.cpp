@@ -14,7 +14,8 @@ using Split = Tree::Options::Split;
               .build_knobs = {{{"leaf_size", 8}, {"split", "principal_axis"}},
                               {{"leaf_size", 16}, {"split", "principal_axis"}},
                               {{"leaf_size", 16}, {"split", "random_projection"}}},
-              .ladder = 12},
+              .ladder = 12,
+              .quick_builds = 2},
      .build = [](const Input& input, const Knobs& knobs) {
        Tree::Options options;
        options.split =

@@ -76,6 +76,7 @@ std::vector<DoubleScan::Found> DoubleScan::nearest_by_cube(const Vec3f& query, s
 
 RangeAnswer DoubleScan::within(const Vec3f& query, double radius) const {
   RangeAnswer r;
+  if (!(radius >= 0)) return r;
   const double qx = query[0], qy = query[1], qz = query[2];
   const double sure = radius * (1 - border), open = radius * (1 + border);
   for (std::size_t i = 0; i < size(); ++i) {

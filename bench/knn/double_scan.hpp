@@ -43,6 +43,7 @@ class DoubleScan {
   std::vector<Found> nearest(const geometry::Vec3f& query, std::size_t k) const;
   /// The same by the largest coordinate difference, squared: half the width of the cube that holds them.
   std::vector<Found> nearest_by_cube(const geometry::Vec3f& query, std::size_t k) const;
+  /// Nothing for a negative radius.
   RangeAnswer within(const geometry::Vec3f& query, double radius) const;
   RangeAnswer inside(const geometry::Box3f& box) const;
 

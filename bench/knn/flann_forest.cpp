@@ -38,8 +38,9 @@ class FlannForest final : public Index {
               .claim = Claim::approximate,
               .peer_version = FLANN_VERSION_,
               .build_knobs = {{{"trees", 4}}, {{"trees", 8}}},
-              .query_knobs = {{{"checks", 16}}, {{"checks", 32}}, {{"checks", 128}}, {{"checks", 512}}},
-              .ladder = 20},
+              .query_knobs = {{{"checks", 32}}, {{"checks", 128}}, {{"checks", 512}}},
+              .ladder = 20,
+              .quick_builds = 1},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
        return std::make_unique<FlannForest>(input, knobs);
      }});

@@ -1,7 +1,7 @@
 // FLANN's KDTreeSingleIndex: one exact KD-tree, meant for low dimensions.
 //
-// Its documented settings: reorder (its default: a copy of the points in leaf order) and the leaf size, 10 by
-// default; L2_3D is its unrolled distance for three dimensions.
+// Its documented settings: reorder (a copy of the points in leaf order, its default) and the leaf size, 10 by
+// default; L2_3D is its unrolled distance for three dimensions. Checks are unlimited, which makes it exact.
 #include "bench/core/registry.hpp"
 #include "bench/knn/flann_search.hpp"
 
@@ -11,7 +11,8 @@ namespace {
 class FlannSingle final : public Index {
  public:
   FlannSingle(const Input& input, const Knobs& knobs)
-      : index_(flann_matrix(input.points), flann::KDTreeSingleIndexParams(knobs.at("leaf_size").get<int>())) {
+      : index_(flann_matrix(input.points),
+               flann::KDTreeSingleIndexParams(knobs.at("leaf_size").get<int>(), /*reorder=*/true)) {
     index_.buildIndex();
   }
 
@@ -35,8 +36,9 @@ class FlannSingle final : public Index {
               .family = "kd",
               .source = Source::peer,
               .peer_version = FLANN_VERSION_,
-              .build_knobs = {{{"leaf_size", 10}}, {{"leaf_size", 20}}},
-              .ladder = 31},
+              .build_knobs = {{{"leaf_size", 10}}, {{"leaf_size", 20}}, {{"leaf_size", 32}}},
+              .ladder = 31,
+              .quick_builds = 2},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
        return std::make_unique<FlannSingle>(input, knobs);
      }});

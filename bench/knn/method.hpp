@@ -30,6 +30,22 @@ struct Input {
   int threads = 1;
 };
 
+/// Counts what queries touch. Trees tell of nodes and primitives only; a leaf shows as the first primitives
+/// after a node, or as several at once (points that coincide are told one by one).
+struct Visits {
+  std::uint64_t nodes = 0, leaves = 0, primitives = 0;
+
+  void node() { ++nodes, entered_ = true; }
+  void primitive(std::uint64_t n = 1) {
+    leaves += entered_ || n > 1 ? 1 : 0;
+    primitives += n;
+    entered_ = false;
+  }
+
+ private:
+  bool entered_ = false;
+};
+
 class Index {
  public:
   virtual ~Index() = default;
@@ -45,10 +61,10 @@ class Index {
   virtual void inside(std::span<const Box3f> boxes, const Knobs& query_knobs, int threads,
                       Lists<Id>& ids) const;
 
-  /// Nodes and primitives touched by the same batch, per batch; nothing if the method cannot count.
-  virtual std::optional<accel::Work> nearest_work(std::span<const Vec3f> queries, std::size_t k) const;
-  virtual std::optional<accel::Work> within_work(std::span<const Vec3f> queries, float radius) const;
-  virtual std::optional<accel::Work> inside_work(std::span<const Box3f> boxes) const;
+  /// What the same batch touches; nothing if the method cannot count.
+  virtual std::optional<Visits> nearest_visits(std::span<const Vec3f> queries, std::size_t k) const;
+  virtual std::optional<Visits> within_visits(std::span<const Vec3f> queries, float radius) const;
+  virtual std::optional<Visits> inside_visits(std::span<const Box3f> boxes) const;
 
   /// Cells cut by a plane, for pictures; empty if the method has none to show.
   virtual std::vector<accel::SliceCell> slice(int axis, double offset) const;

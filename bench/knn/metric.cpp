@@ -55,6 +55,11 @@ void blame(Errors& e, std::uint32_t query, const std::string& what) {
   e.reason = "query " + std::to_string(query) + ": " + what;
 }
 
+void note_queries(Errors& e, std::size_t wrong, std::size_t checked) {
+  if (checked > 0) e.extra["knn_wrong"] = static_cast<double>(wrong) / static_cast<double>(checked);
+  e.extra["knn_checked"] = checked;
+}
+
 // The distances of one row of answers, sorted, and what is wrong with its ids.
 struct Answered {
   std::vector<double> distances;
@@ -92,7 +97,7 @@ Errors nearest_errors(std::span<const Vec3f> points, std::span<const Vec3f> quer
                       std::span<const Id> ids, const NearestTruth& truth, Claim claim) {
   Summary summary;
   Errors verdict;
-  std::size_t met = 0, wanted = 0, missing = 0;
+  std::size_t met = 0, met_1pct = 0, met_10pct = 0, wanted = 0, missing = 0, wrong = 0;
   const double floor = float_floor();
   for (std::size_t i = 0; i < truth.sample.size(); ++i) {
     const std::uint32_t number = truth.sample[i];
@@ -104,6 +109,7 @@ Errors nearest_errors(std::span<const Vec3f> points, std::span<const Vec3f> quer
     }
     if (!truth.answerable[i]) {
       summary.add(1, 1);
+      ++wrong;
       blame(verdict, number, "returned neighbours of a query that is not a number");
       continue;
     }
@@ -116,12 +122,19 @@ Errors nearest_errors(std::span<const Vec3f> points, std::span<const Vec3f> quer
       const double excess = there ? excess_of(got.distances[j], right[j]) : 1.0;
       largest = std::max(largest, std::abs(excess));
       summary.add_excess(std::min(excess, 1.0));
-      if (!there) ++missing;
-      if (there && got.distances[j] <= right[expected - 1] * (1 + 1e-6)) ++met;
+      if (!there) {
+        ++missing;
+        continue;
+      }
+      const double last = right[expected - 1];
+      if (got.distances[j] <= last * (1 + 1e-6)) ++met;
+      if (got.distances[j] <= last * 1.01) ++met_1pct;
+      if (got.distances[j] <= last * 1.1) ++met_10pct;
     }
     wanted += expected;
     if (got.invalid + got.repeated > 0) largest = std::max(largest, 1.0);
     summary.add(std::min(largest, 1.0), largest);
+    wrong += largest > floor ? 1 : 0;
 
     if (got.invalid > 0) blame(verdict, number, std::to_string(got.invalid) + " invalid ids");
     if (got.repeated > 0) blame(verdict, number, std::to_string(got.repeated) + " repeated ids");
@@ -135,17 +148,19 @@ Errors nearest_errors(std::span<const Vec3f> points, std::span<const Vec3f> quer
   Errors e = summary.errors(floor);
   e.within_claim = verdict.within_claim, e.reason = verdict.reason;
   if (wanted > 0) {
-    e.extra["knn_recall"] = static_cast<double>(met) / static_cast<double>(wanted);
-    e.extra["knn_missing"] = static_cast<double>(missing) / static_cast<double>(wanted);
+    const auto share = [&](std::size_t n) { return static_cast<double>(n) / static_cast<double>(wanted); };
+    e.extra["knn_recall"] = share(met);
+    e.extra["knn_recall_1pct"] = share(met_1pct), e.extra["knn_recall_10pct"] = share(met_10pct);
+    e.extra["knn_missing"] = share(missing);
   }
-  e.extra["knn_checked"] = truth.sample.size();
+  note_queries(e, wrong, truth.sample.size());
   return e;
 }
 
 Errors range_errors(const accel::Lists<Id>& ids, const RangeTruth& truth, Claim claim) {
   Summary summary;
   Errors verdict;
-  std::size_t all_missing = 0, all_surplus = 0, all_right = 0;
+  std::size_t all_missing = 0, all_surplus = 0, all_right = 0, wrong = 0;
   std::vector<Id> got;
   for (std::size_t i = 0; i < truth.sample.size(); ++i) {
     const std::uint32_t number = truth.sample[i];
@@ -170,6 +185,7 @@ Errors range_errors(const accel::Lists<Id>& ids, const RangeTruth& truth, Claim 
     summary.add(error, error);
     summary.add_excess((static_cast<double>(surplus) - static_cast<double>(missing)) / scale);
     all_missing += missing, all_surplus += surplus, all_right += right.must.size();
+    wrong += missing + surplus > 0 ? 1 : 0;
     if (!truth.answerable[i] && !list.empty())
       blame(verdict, number, "returned points for a query that is not a number");
     if (surplus > 0) blame(verdict, number, std::to_string(surplus) + " surplus ids");
@@ -180,9 +196,10 @@ Errors range_errors(const accel::Lists<Id>& ids, const RangeTruth& truth, Claim 
   Errors e = summary.errors(0);
   e.within_claim = verdict.within_claim, e.reason = verdict.reason;
   const double scale = static_cast<double>(std::max<std::size_t>(all_right, 1));
+  if (all_right > 0) e.extra["knn_recall"] = 1 - static_cast<double>(all_missing) / scale;
   e.extra["knn_missing"] = static_cast<double>(all_missing) / scale;
   e.extra["knn_surplus"] = static_cast<double>(all_surplus) / scale;
-  e.extra["knn_checked"] = truth.sample.size();
+  note_queries(e, wrong, truth.sample.size());
   return e;
 }
 

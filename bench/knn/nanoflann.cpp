@@ -74,8 +74,9 @@ class Nanoflann final : public Index {
               .family = "kd",
               .source = Source::peer,
               .peer_version = "1.4.3",
-              .build_knobs = {{{"leaf_size", 10}}, {{"leaf_size", 20}}},
-              .ladder = 30},
+              .build_knobs = {{{"leaf_size", 10}}, {{"leaf_size", 20}}, {{"leaf_size", 32}}},
+              .ladder = 30,
+              .quick_builds = 2},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
        return std::make_unique<Nanoflann>(input, knobs);
      }});

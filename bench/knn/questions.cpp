@@ -6,10 +6,12 @@
 #include "bench/knn/parallel.hpp"
 #include "bench/knn/truth.hpp"
 #include "geometry/random.hpp"
+#include "geometry/sampling.hpp"
 
 namespace treeline::bench::knn {
 
 using geometry::Box3f;
+using geometry::Vec3d;
 using geometry::Vec3f;
 
 namespace {
@@ -17,6 +19,8 @@ namespace {
 constexpr std::size_t average = 30;         // neighbours of a radius or box query
 constexpr std::size_t sampled_points = 64;  // on which radius and box are sized
 constexpr double enlarged = 0.1;            // of the box's widest side, for queries off the cloud
+constexpr std::size_t most_far = 64;        // a tree that bounds by planes visits every leaf for each of them
+constexpr double nearest_far = 2, farthest_far = 4;  // diagonals of the box from its centre
 
 // The first `count` of a random permutation of [0, n) (Fisher and Yates).
 std::vector<std::uint32_t> random_choice(std::size_t n, std::size_t count, geometry::Pcg32& random) {
@@ -35,6 +39,46 @@ std::vector<Vec3f> off_cloud(const Box3f& box, std::size_t count, geometry::Pcg3
   for (Vec3f& p : r)
     for (int a = 0; a < 3; ++a) p[a] = random.uniform<float>(box.low[a] - margin, box.high[a] + margin);
   return r;
+}
+
+std::vector<Vec3f> far_around(const Box3f& box, std::size_t count, geometry::Pcg32& random) {
+  constexpr double largest = std::numeric_limits<float>::max();
+  const Vec3d low(box.low), high(box.high), centre = (low + high) * 0.5;
+  const double diagonal = length(high - low);
+  std::vector<Vec3f> r(count);
+  for (Vec3f& p : r) {
+    const double u = random.uniform<double>(), v = random.uniform<double>();
+    const double away = diagonal * random.uniform<double>(nearest_far, farthest_far);
+    const Vec3d at = centre + geometry::sample_sphere(u, v) * away;
+    for (int a = 0; a < 3; ++a) p[a] = static_cast<float>(std::clamp(at[a], -largest, largest));
+  }
+  return r;
+}
+
+// The bits of x in every third place (Morton 1966), for x below 2^21.
+std::uint64_t spread_bits(std::uint64_t x) {
+  std::uint64_t r = 0;
+  for (int bit = 0; bit < 21; ++bit) r |= (x >> bit & 1) << (3 * bit);
+  return r;
+}
+
+// Numbers of the points along a Morton curve through the box.
+std::vector<std::uint32_t> morton_order(const std::vector<Vec3f>& points, const Box3f& box) {
+  constexpr double cells = 1 << 21;
+  const double widest = box.extent()[box.widest_axis()];
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> codes;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::uint64_t code = 0;
+    for (int a = 0; a < 3 && widest > 0; ++a) {
+      const double share = (double(points[i][a]) - box.low[a]) / widest;
+      code |= spread_bits(static_cast<std::uint64_t>(std::min(share * cells, cells - 1))) << a;
+    }
+    codes.emplace_back(code, static_cast<std::uint32_t>(i));
+  }
+  std::sort(codes.begin(), codes.end());
+  std::vector<std::uint32_t> order;
+  for (const auto& [code, number] : codes) order.push_back(number);
+  return order;
 }
 
 // The distance that holds `average` points a query on average, pooled over the sampled ones: since no query
@@ -83,40 +127,53 @@ Questions questions_about(const DoubleScan& cloud, std::size_t count, std::uint6
   using Kind = Questions::Kind;
   geometry::Pcg32 random(seed, 7);  // a stream of its own, apart from the recipes'
   Questions q;
-  for (const std::uint32_t i : random_choice(cloud.size(), count, random)) q.self.push_back(cloud.point(i));
-  q.off = off_cloud(cloud.box(), count, random);
+  std::vector<Vec3f>& self = q.points[Questions::self];
+  const Box3f box = cloud.box();
+  for (const std::uint32_t i : random_choice(cloud.size(), count, random)) self.push_back(cloud.point(i));
+  q.points[Questions::off] = off_cloud(box, count, random);
+  q.points[Questions::far] = far_around(box, std::min(count, most_far), random);
+  q.order = morton_order(self, box);
+  for (const std::uint32_t i : q.order) q.points[Questions::sorted].push_back(self[i]);
 
   std::vector<Vec3f> sample;
-  for (const std::uint32_t i : spread_sample(q.self.size(), sampled_points)) sample.push_back(q.self[i]);
+  for (const std::uint32_t i : spread_sample(self.size(), sampled_points)) sample.push_back(self[i]);
   q.radius = static_cast<float>(
       pooled_distance(sample, threads, [&](const Vec3f& p, std::size_t k) { return cloud.nearest(p, k); }));
   const auto half = static_cast<float>(pooled_distance(
       sample, threads, [&](const Vec3f& p, std::size_t k) { return cloud.nearest_by_cube(p, k); }));
-  for (const Vec3f& p : q.self) q.boxes.push_back(cube(p, half));
+  for (const Vec3f& p : self) q.boxes.push_back(cube(p, half));
   q.spacing = median_spacing(cloud, sample);
 
-  q.sets = {{"knn1_self", Kind::nearest, 1, false},   {"knn8_self", Kind::nearest, 8, false},
-            {"knn32_self", Kind::nearest, 32, false}, {"knn1_off", Kind::nearest, 1, true},
-            {"knn8_off", Kind::nearest, 8, true},     {"radius_self", Kind::within, 0, false},
-            {"box_self", Kind::inside, 0, false}};
+  q.sets = {{"knn1_self", Kind::nearest, 1, Questions::self},
+            {"knn8_self", Kind::nearest, 8, Questions::self},
+            {"knn8_sorted", Kind::nearest, 8, Questions::sorted},
+            {"knn32_self", Kind::nearest, 32, Questions::self},
+            {"knn100_self", Kind::nearest, 100, Questions::self},
+            {"knn1_off", Kind::nearest, 1, Questions::off},
+            {"knn8_off", Kind::nearest, 8, Questions::off},
+            {"knn32_off", Kind::nearest, 32, Questions::off},
+            {"knn8_far", Kind::nearest, 8, Questions::far},
+            {"radius_self", Kind::within, 0, Questions::self},
+            {"box_self", Kind::inside, 0, Questions::self}};
   return q;
 }
 
 Questions questions_of(const datasets::HardCase& hard_case, const DoubleScan& cloud) {
   using Kind = Questions::Kind;
   Questions q;
-  q.self = hard_case.queries;
-  q.sets.push_back({"knn" + std::to_string(hard_case.k), Kind::nearest, hard_case.k, false});
+  const std::vector<Vec3f>& self = q.points[Questions::self] = hard_case.queries;
+  q.sets.push_back({"knn" + std::to_string(hard_case.k), Kind::nearest, hard_case.k, Questions::self});
   std::vector<Vec3f> sample;
   for (const std::uint32_t i : spread_sample(cloud.size(), sampled_points)) sample.push_back(cloud.point(i));
   q.spacing = median_spacing(cloud, sample);
-  if (!(hard_case.radius >= 0)) return q;
-  q.radius = hard_case.radius;
-  q.sets.push_back({"radius", Kind::within, 0, false});
-  for (const Vec3f& p : q.self)
+  if (!hard_case.radius) return q;
+  q.radius = *hard_case.radius;
+  q.sets.push_back({"radius", Kind::within, 0, Questions::self});
+  if (!(q.radius >= 0)) return q;
+  for (const Vec3f& p : self)
     if (!geometry::is_finite(p)) return q;
-  for (const Vec3f& p : q.self) q.boxes.push_back(cube(p, q.radius));
-  q.sets.push_back({"box", Kind::inside, 0, false});
+  for (const Vec3f& p : self) q.boxes.push_back(cube(p, q.radius));
+  q.sets.push_back({"box", Kind::inside, 0, Questions::self});
   return q;
 }
 

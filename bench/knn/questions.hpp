@@ -1,11 +1,14 @@
 // The query sets of a block: what is asked of a cloud.
 //
-// knn1_self, knn8_self, knn32_self: points of the cloud itself, in random order. knn1_off, knn8_off: uniform
-// in the cloud's box, enlarged by a tenth: positions off its surface, where published benchmarks seldom look.
-// radius_self: a radius that holds 30 neighbours on average. box_self: cubes around points, 30 points on
-// average.
+// knn1_self, knn8_self, knn32_self, knn100_self: points of the cloud itself, in random order. knn8_sorted:
+// the same along a Morton curve, so that the next query finds the last one's cells in the cache. knn1_off,
+// knn8_off, knn32_off: uniform in the cloud's box, enlarged by a tenth: positions off its surface, where
+// published benchmarks seldom look. knn8_far: few, from all around at two to four diagonals of the box, where
+// whole faces of the cloud are about as near. radius_self: a radius that holds 30 neighbours on average.
+// box_self: cubes around points, 30 points on average.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -16,31 +19,34 @@ namespace treeline::bench::knn {
 
 struct Questions {
   enum class Kind { nearest, within, inside };
+  enum Place { self, sorted, off, far };
+  static constexpr int places = 4;
   struct Set {
     std::string name;
     Kind kind = Kind::nearest;
     std::size_t k = 0;
-    bool off = false;  // asked at `off`, not at `self`
+    Place place = self;
   };
 
   std::vector<Set> sets;
-  std::vector<geometry::Vec3f> self, off;
+  std::array<std::vector<geometry::Vec3f>, places> points;  // by place
+  std::vector<std::uint32_t> order;                         // sorted[i] is self[order[i]]
   std::vector<geometry::Box3f> boxes;
   float radius = 0;
   double spacing = 0;  // median distance from a point to its nearest other one
 
-  const std::vector<geometry::Vec3f>& points_of(const Set& set) const { return set.off ? off : self; }
+  const std::vector<geometry::Vec3f>& points_of(const Set& set) const { return points[set.place]; }
   std::size_t size_of(const Set& set) const {
     return set.kind == Kind::inside ? boxes.size() : points_of(set).size();
   }
 };
 
-/// At most `count` queries a set. Equal clouds and seeds give equal questions, with any number of threads.
-/// Throws std::invalid_argument if no point of the cloud is finite.
+/// All sets, at most `count` queries each. Equal clouds and seeds give equal questions, with any number of
+/// threads. Throws std::invalid_argument if no point of the cloud is finite.
 Questions questions_about(const DoubleScan& cloud, std::size_t count, std::uint64_t seed, int threads);
 
 /// The queries of a hard case at its k, and, where it has a radius, radius and box queries (the cube of
-/// that half width) too. Boxes are left out if a query is not finite.
+/// that half width) too. Boxes are left out if a query is not finite or the radius negative.
 Questions questions_of(const datasets::HardCase& hard_case, const DoubleScan& cloud);
 
 }  // namespace treeline::bench::knn

@@ -5,7 +5,9 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "bench/knn/density_picture.hpp"
 #include "bench/knn/double_scan.hpp"
+#include "bench/knn/svg.hpp"
 
 namespace treeline::bench::knn {
 namespace {
@@ -14,23 +16,6 @@ constexpr double longer_side = 640;        // of the picture, in pixels
 constexpr double near_plane = 0.005;       // points drawn: this share of the box's widest side from the plane
 constexpr std::size_t most_points = 4000;  // drawn, evenly spread: more only make the file large
 constexpr std::size_t most_cells = 20000;  // drawn: beyond, outlines are finer than a pixel
-
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f", x);
-  return text;
-}
-
-// From light to dark with depth: a single hue, readable without colour vision.
-std::string colour(std::size_t depth, std::size_t shallowest, std::size_t deepest) {
-  const double share = deepest > shallowest ? static_cast<double>(depth - shallowest) /
-                                                  static_cast<double>(deepest - shallowest)
-                                            : 0;
-  const auto mix = [&](int light, int dark) {
-    return std::to_string(static_cast<int>(light + share * (dark - light)));
-  };
-  return "rgb(" + mix(237, 33) + "," + mix(248, 102) + "," + mix(251, 172) + ")";
-}
 
 struct Frame {
   int u, v;
@@ -44,8 +29,8 @@ struct Frame {
     left = box.low[u], top = box.high[v];
     width = std::max(1.0, w * scale), height = std::max(1.0, h * scale);
   }
-  std::string x(double value) const { return number((value - left) * scale); }
-  std::string y(double value) const { return number((top - value) * scale); }
+  std::string x(double value) const { return svg_number((value - left) * scale); }
+  std::string y(double value) const { return svg_number((top - value) * scale); }
 };
 
 int shortest_axis(const Box3f& box) {
@@ -68,18 +53,34 @@ std::ofstream opened(const std::filesystem::path& path, std::ios::openmode mode)
   return out;
 }
 
+/// Writes the picture, then its line of the index: what the index names is there.
+void save(const std::filesystem::path& folder, const std::string& name, const std::string& svg, Knobs entry) {
+  const std::string file = file_name(name);
+  auto out = opened(folder / file, std::ios::out);
+  out << svg;
+  if (!out.flush()) throw std::runtime_error("cannot write " + (folder / file).string());
+  entry["file"] = file;
+  auto index = opened(folder / "pictures.jsonl", std::ios::app);
+  index << entry.dump() << '\n';
+  if (!index.flush()) throw std::runtime_error("cannot write " + (folder / "pictures.jsonl").string());
+}
+
 }  // namespace
 
 std::string slice_svg(std::span<const Vec3f> points, const std::vector<accel::SliceCell>& cells,
                       const Box3f& box, int axis, double offset) {
   const Frame frame(box, axis);
-  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-2 -2 " + number(frame.width + 4) +
-                    " " + number(frame.height + 4) + "\">\n<g stroke=\"#444\" stroke-width=\"0.4\">\n";
+  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-2 -2 " +
+                    svg_number(frame.width + 4) + " " + svg_number(frame.height + 4) +
+                    "\">\n<g stroke=\"#444\" stroke-width=\"0.4\">\n";
   std::size_t shallowest = SIZE_MAX, deepest = 0;
   for (const auto& c : cells)
     shallowest = std::min(shallowest, c.depth), deepest = std::max(deepest, c.depth);
   for (std::size_t i = 0; i < std::min(cells.size(), most_cells); ++i) {
-    svg += "<path fill=\"" + colour(cells[i].depth, shallowest, deepest) + "\" d=\"";
+    const double share = deepest > shallowest ? static_cast<double>(cells[i].depth - shallowest) /
+                                                    static_cast<double>(deepest - shallowest)
+                                              : 0;
+    svg += "<path fill=\"" + svg_shade(share) + "\" d=\"";
     char command = 'M';
     for (const geometry::Vec2d& p : cells[i].outline) {
       svg += command + frame.x(p[0]) + " " + frame.y(p[1]);
@@ -101,33 +102,34 @@ std::string slice_svg(std::span<const Vec3f> points, const std::vector<accel::Sl
   return svg + "</g>\n</svg>\n";
 }
 
-void write_slice_pictures(const std::vector<Method>& methods, std::span<const Vec3f> points,
-                          const std::string& dataset, const std::string& folder) {
+void write_pictures(const std::vector<Method>& methods, std::span<const Vec3f> points,
+                    const std::string& dataset, const std::string& folder) {
   const Box3f box = DoubleScan(points).box();
   if (box.empty()) throw std::runtime_error("nothing to draw: " + dataset + " has no finite point");
   std::filesystem::create_directories(folder);
-  const std::filesystem::path index_path = std::filesystem::path(folder) / "pictures.jsonl";
   const int axis = shortest_axis(box);
   const double offset = box.centre()[axis];
+  std::string plane{"xyz"[axis]};
+  plane += " = " + svg_number(offset);
+  if (const DensityPicture density = density_picture(points, box, axis, offset); !density.svg.empty())
+    save(folder, "knn_" + dataset + "_density", density.svg,
+         {{"title", "density at " + plane},
+          {"caption", "Points per unit volume, by the distance to the 16th nearest: from " +
+                          svg_figure(density.least) + " (light) to " + svg_figure(density.most) +
+                          " (dark), logarithmic."},
+          {"dataset", dataset},
+          {"method", ""},
+          {"kind", "density"}});
   for (const Method& method : methods) {
     if (method.info.source != Source::ours || method.info.family == "brute") continue;
     const Knobs& knobs = method.info.build_knobs.front();
     const auto cells = method.build({.points = points, .finite = false}, knobs)->slice(axis, offset);
     if (cells.empty()) continue;
-    const std::string file = file_name("knn_" + dataset + "_" + method.info.name);
-    const std::filesystem::path path = std::filesystem::path(folder) / file;
-    auto out = opened(path, std::ios::out);
-    out << slice_svg(points, cells, box, axis, offset);
-    if (!out.flush()) throw std::runtime_error("cannot write " + path.string());
-    Knobs entry = {{"file", file},
-                   {"title", method.info.name + ": " + std::to_string(cells.size()) + " cells cut at " +
-                                 "xyz"[axis] + " = " + number(offset)},
-                   {"dataset", dataset},
-                   {"method", method.info.name},
-                   {"kind", "slice"}};
-    auto index = opened(index_path, std::ios::app);
-    index << entry.dump() << '\n';
-    if (!index.flush()) throw std::runtime_error("cannot write " + index_path.string());
+    save(folder, "knn_" + dataset + "_" + method.info.name, slice_svg(points, cells, box, axis, offset),
+         {{"title", method.info.name + ": " + std::to_string(cells.size()) + " cells cut at " + plane},
+          {"dataset", dataset},
+          {"method", method.info.name},
+          {"kind", "slice"}});
   }
 }
 

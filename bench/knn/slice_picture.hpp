@@ -15,10 +15,10 @@ namespace treeline::bench::knn {
 std::string slice_svg(std::span<const Vec3f> points, const std::vector<accel::SliceCell>& cells,
                       const Box3f& box, int axis, double offset);
 
-/// Writes one picture for each method that has cells to show into a folder, and appends them to its index,
-/// pictures.jsonl. The plane is normal to the box's shortest side. Throws std::runtime_error naming the file
-/// that cannot be written.
-void write_slice_pictures(const std::vector<Method>&, std::span<const Vec3f> points,
-                          const std::string& dataset, const std::string& folder);
+/// Writes a picture of the cloud's density and one for each method that has cells to show into a folder, and
+/// appends them to its index, pictures.jsonl. The plane is normal to the box's shortest side. Throws
+/// std::runtime_error naming the file that cannot be written.
+void write_pictures(const std::vector<Method>&, std::span<const Vec3f> points, const std::string& dataset,
+                    const std::string& folder);
 
 }  // namespace treeline::bench::knn

@@ -13,7 +13,7 @@ class KnnTask final : public Task {
  public:
   KnnTask();
   std::string name() const override { return "knn"; }
-  int version() const override { return 1; }
+  int version() const override { return 2; }
   const std::vector<MethodInfo>& methods() const override { return infos_; }
   std::vector<std::pair<std::string, std::string>> not_built() const override;
   std::vector<BlockSpec> blocks(Profile) const override;

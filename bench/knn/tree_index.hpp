@@ -36,23 +36,23 @@ class TreeIndex final : public Index {
     tree_.inside(boxes, ids, threads);
   }
 
-  std::optional<accel::Work> nearest_work(std::span<const Vec3f> queries, std::size_t k) const override {
-    accel::Work work;
+  std::optional<Visits> nearest_visits(std::span<const Vec3f> queries, std::size_t k) const override {
+    Visits visits;
     std::vector<Neighbor> found(k);
-    for (const Vec3f& q : queries) tree_.nearest(q, k, std::span<Neighbor>(found), work);
-    return work;
+    for (const Vec3f& q : queries) tree_.nearest(q, k, std::span<Neighbor>(found), visits);
+    return visits;
   }
-  std::optional<accel::Work> within_work(std::span<const Vec3f> queries, float radius) const override {
-    accel::Work work;
+  std::optional<Visits> within_visits(std::span<const Vec3f> queries, float radius) const override {
+    Visits visits;
     std::vector<Neighbor> found;
-    for (const Vec3f& q : queries) found.clear(), tree_.within(q, radius, found, work);
-    return work;
+    for (const Vec3f& q : queries) found.clear(), tree_.within(q, radius, found, visits);
+    return visits;
   }
-  std::optional<accel::Work> inside_work(std::span<const Box3f> boxes) const override {
-    accel::Work work;
+  std::optional<Visits> inside_visits(std::span<const Box3f> boxes) const override {
+    Visits visits;
     std::vector<Id> found;
-    for (const Box3f& b : boxes) found.clear(), tree_.inside(b, found, work);
-    return work;
+    for (const Box3f& b : boxes) found.clear(), tree_.inside(b, found, visits);
+    return visits;
   }
 
   std::vector<accel::SliceCell> slice(int axis, double offset) const override {

@@ -12,7 +12,7 @@ from bench.report.units import figure
 TEXT = ("task", "dataset", "set", "method", "build", "query", "status", "reason", "claim", "source", "version", "extra")
 COLUMNS = TEXT + (
     "size", "n", "run", "threads", "ns", "lo", "hi", "cpu", "reps", "build_s", "bytes", "error", "error_max",
-    "error_p99", "error_mean", "bias", "floor", "nodes", "primitives", "front", "best", "y", "slot",
+    "error_p99", "error_mean", "bias", "floor", "nodes", "leaves", "primitives", "recall", "front", "best", "y", "slot",
 )  # fmt: skip
 
 
@@ -80,9 +80,18 @@ def work(row):
     return row.values.get("work_nodes"), row.values.get("work_primitives")
 
 
+APART = ("recall", "leaves")  # figures of tasks that have a place of their own
+
+
+def extra(row, name):
+    """One of the task's own figures, or None."""
+    return row.extra.get(f"{row.task}_{name}")
+
+
 def extra_text(row):
-    """The task's own figures: "recall 0.99, missing 0.01"."""
-    shown = ((k.removeprefix(row.task + "_").replace("_", " "), v) for k, v in row.extra.items() if v is not None)
+    """The task's own figures but for those: "missing 0.01, checked 100"."""
+    named = {k.removeprefix(row.task + "_"): v for k, v in row.extra.items() if v is not None}
+    shown = ((k.replace("_", " "), v) for k, v in named.items() if k not in APART)
     return ", ".join(f"{k} {figure(v) if isinstance(v, (int, float)) else v}" for k, v in shown)
 
 
@@ -98,8 +107,8 @@ def table(models):
             lines.append([strings.setdefault(t, len(strings)) for t in texts] + [
                 r.size, r.n, r.run, r.threads, r.query_ns, r.query_ns_low, r.query_ns_high, r.query_cpu_ns,
                 len(r.samples or ()), r.build_s, r.bytes, r.error, r.error_max, r.error_p99, r.error_mean, r.bias,
-                r.error_floor, nodes, primitives, int(id(r) in front), int(id(r) in best),
-                task.layouts[r.dataset].y(r), slots.get(id(r)),
+                r.error_floor, nodes, extra(r, "leaves"), primitives, extra(r, "recall"), int(id(r) in front),
+                int(id(r) in best), task.layouts[r.dataset].y(r), slots.get(id(r)),
             ])  # fmt: skip
     return {
         "columns": COLUMNS,

@@ -6,7 +6,7 @@ from pathlib import Path
 import vl_convert
 from jinja2 import Environment
 
-from bench.report import charts, model, pieces
+from bench.report import charts, ledger, model, pieces
 from bench.report.pieces import esc
 from bench.report.units import count
 
@@ -29,6 +29,8 @@ def build(rows, pictures, title="Treeline: speed against accuracy"):
         mine = [p for p in pictures if p.task == task.name]
         sections.append(_section(task, rows, listed, mine))
         nav.append(_nav(task, mine))
+    sections.append(ledger.section(rows))
+    nav.append('<a class="task" href="#claims">Claims</a>')
     others = [p for p in pictures if p.task not in data["tasks"]]
     if others:
         sections.append(f'<section id="pictures"><h2>Pictures</h2>{pieces.gallery(others)}</section>')

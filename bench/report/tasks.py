@@ -21,8 +21,11 @@ TASKS = {
         "point", "query", "mean relative error",
         "The relative excess of a distance found over the true one, the worst of the k; a neighbour that is missing or "
         "does not exist counts 1. For radius and box: the share of points missing or surplus.",
-        (("knn1_self, knn8_self, knn32_self", "the 1, 8 or 32 nearest of a point of the cloud, itself included"),
-         ("knn1_off, knn8_off", "the 1 or 8 nearest of a position anywhere in the cloud's box"),
+        (("knn1_self, knn8_self, knn32_self, knn100_self",
+          "the 1, 8, 32 or 100 nearest of a point of the cloud, itself included, in random order"),
+         ("knn8_sorted", "the queries of knn8_self, each near the one before"),
+         ("knn1_off, knn8_off, knn32_off", "the 1, 8 or 32 nearest of a position anywhere in the cloud's box"),
+         ("knn8_far", "the 8 nearest of a position two to four diagonals of that box away"),
          ("radius_self", "all within a radius, chosen to hold about 30 points, of a point of the cloud"),
          ("box_self", "all in a box of about 30 points around a point of the cloud"))),
     "ray": TaskText(

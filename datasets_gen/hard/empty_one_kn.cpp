@@ -25,6 +25,14 @@ std::vector<HardCase> empty_one_kn() {
     c.radius = 0.5f;
   }
   {
+    HardCase& c = add("k_zero", "measured: FLANN, CGAL, nanoflann 1.4 and pico_tree crash on k = 0",
+                      "refused with a clear error, or nothing found");
+    c.expect = Expect::answers_or_refuses;
+    c.cloud.points = random_points(93, 100);
+    c.queries = random_points(94, 20);
+    c.k = 0;
+  }
+  {
     HardCase& c =
         add("k_above_n", "nanoflann, FLANN, PCL and CGAL return n (measured); padding ids leak out of others",
             as_many);

@@ -15,6 +15,8 @@ std::vector<HardCase> edge_vertex_rays();
 std::vector<HardCase> axis_parallel_rays();
 std::vector<HardCase> nan_infinity();
 std::vector<HardCase> empty_one_kn();
+std::vector<HardCase> float_range();
+std::vector<HardCase> radius_borders();
 
 // ---- points --------------------------------------------------------------------------------------------
 

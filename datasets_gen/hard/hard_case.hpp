@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,7 +31,7 @@ struct HardCase {
   geometry::Cloud3f cloud;
   std::vector<geometry::Vec3f> queries;
   std::size_t k = 8;
-  float radius = -1;  // radius queries too, unless negative
+  std::optional<float> radius;  // radius queries too
 
   // For the task ray: a mesh, and rays.
   geometry::Mesh3f mesh;

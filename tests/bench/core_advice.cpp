@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "bench/core/break_even.hpp"
 #include "core_fake_task.hpp"
 #include "core_helper.hpp"
 
@@ -141,6 +144,72 @@ TEST(Advice, OnlyWhatIsOkIsAdvised) {
   row.status = Status::ok, row.errors.error.reset(),
   row.errors.max.reset();  // nobody knows how far off it is
   EXPECT_EQ(chosen(advise(FakeTask(), {row}, {"a"}, 1)), "");
+}
+
+// ---- break-even ----------------------------------------------------------------------------------------
+
+Row built_row(const std::string& method, const std::string& family, double build_s, double ns,
+              double error = 0) {
+  Row row = rung_row(method, "a", ns, error);
+  row.family = family, row.build_s = build_s;
+  return row;
+}
+
+Advice advised_of(const std::vector<Row>& rows) { return advise(FakeTask(), rows, {"a"}, 1e-3); }
+
+const Rung& rung_of(const Advice& advice, const std::string& method) {
+  for (const Rung& rung : advice.rungs)
+    if (rung.rows.front().method == method) return rung;
+  throw std::out_of_range(method);
+}
+
+TEST(BreakEven, IsWhereBuildAndQueriesTogetherCostTheSame) {
+  const Advice advice =
+      advised_of({built_row("tree", "kd", 0.5, 100), built_row("scan", "brute", 0.1, 1100)});
+  const Rung &tree = rung_of(advice, "tree"), &scan = rung_of(advice, "scan");
+  const double queries = *break_even(tree, scan);
+  const auto total_ns = [](const Rung& rung, double n) {
+    return *rung.rows.front().build_s * 1e9 + n * rung.cost_ns;
+  };
+  EXPECT_DOUBLE_EQ(total_ns(tree, queries), total_ns(scan, queries));
+  EXPECT_LT(total_ns(scan, queries - 1), total_ns(tree, queries - 1));
+  EXPECT_GT(total_ns(scan, queries + 1), total_ns(tree, queries + 1));
+}
+
+TEST(BreakEven, NeverAndAlwaysAndUnknown) {
+  const Advice advice =
+      advised_of({built_row("tree", "kd", 0.5, 100), built_row("slow_build", "kd", 0.9, 200),
+                  built_row("same", "kd", 0.2, 100), rung_row("unknown", "a", 300, 0)});
+  const Rung& tree = rung_of(advice, "tree");
+  EXPECT_EQ(break_even(tree, rung_of(advice, "slow_build")), 0);
+  EXPECT_TRUE(std::isinf(*break_even(tree, rung_of(advice, "same"))));
+  EXPECT_FALSE(break_even(tree, rung_of(advice, "unknown")));
+}
+
+TEST(BreakEven, NamesBruteForceAndTheCheapestBuildThatMeetsTheTolerance) {
+  const std::string text =
+      format_break_even(advised_of({built_row("tree", "kd", 0.5, 100), built_row("scan", "brute", 0.1, 1100),
+                                    built_row("cheap", "kd", 0.3, 300), built_row("cheaper", "kd", 0.2, 400),
+                                    built_row("cheapest_but_rough", "kd", 0.01, 50, 0.5)}));
+  const auto lines = lines_of(text);
+  ASSERT_EQ(lines.size(), 2u) << text;
+  EXPECT_NE(lines[0].find("up to 400000 queries of each set scan"), std::string::npos) << text;
+  EXPECT_NE(lines[1].find("up to 1000000 queries of each set cheaper"), std::string::npos) << text;
+}
+
+TEST(BreakEven, SaysWhatWasNotMeasuredOrNeverWins) {
+  const std::string none = format_break_even(advised_of({built_row("tree", "kd", 0.5, 100)}));
+  EXPECT_NE(none.find("no brute force"), std::string::npos) << none;
+  EXPECT_NE(none.find("no cheaper build"), std::string::npos) << none;
+  const std::string never = format_break_even(
+      advised_of({built_row("tree", "kd", 0.5, 100), built_row("scan", "brute", 0.6, 900)}));
+  EXPECT_NE(never.find("not even for one query"), std::string::npos) << never;
+  EXPECT_EQ(format_break_even(advised_of({built_row("rough", "kd", 0.5, 100, 1)})), "");
+}
+
+TEST(BreakEven, StandsInTheAdvice) {
+  const std::string out = advise_fake("0.06").out;
+  EXPECT_NE(out.find("  few  "), std::string::npos) << out;
 }
 
 }  // namespace

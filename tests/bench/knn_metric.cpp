@@ -29,6 +29,7 @@ TEST_F(KnnMetric, RightAnswersHaveNoError) {
   EXPECT_EQ(e.bias, 0);
   EXPECT_EQ(e.extra["knn_recall"], 1.0);
   EXPECT_EQ(e.extra["knn_missing"], 0.0);
+  EXPECT_EQ(e.extra["knn_wrong"], 0.0);
 }
 
 TEST_F(KnnMetric, OrderDoesNotMatter) { EXPECT_EQ(judge({2, 0, 1}).error, 0); }
@@ -128,6 +129,18 @@ TEST(KnnMetricQueries, MeanAndQuantilesAreOverQueries) {
   EXPECT_DOUBLE_EQ(*e.bias, 0.005);
 }
 
+TEST(KnnMetricQueries, RecallAllowsForALittleAndWrongCountsQueries) {
+  // Four queries at 0 whose nearest is at 1; they get one at 1, 1.005, 1.05 and 1.5.
+  const std::vector<Vec3f> points{{1, 0, 0}, {1.005f, 0, 0}, {1.05f, 0, 0}, {1.5f, 0, 0}},
+      queries(4, Vec3f());
+  const NearestTruth truth = nearest_truth(DoubleScan(points), queries, 1, spread_sample(4, 4), 1);
+  const Errors e = nearest_errors(points, queries, 1, std::vector<Id>{0, 1, 2, 3}, truth, Claim::approximate);
+  EXPECT_EQ(e.extra["knn_recall"], 0.25);
+  EXPECT_EQ(e.extra["knn_recall_1pct"], 0.5);
+  EXPECT_EQ(e.extra["knn_recall_10pct"], 0.75);
+  EXPECT_EQ(e.extra["knn_wrong"], 0.75);
+}
+
 // Points at 1, 2, 3 on a line and one on the border; asked at 0 within 3, so 1 and 2 must, the others may.
 class KnnRangeMetric : public testing::Test {
  protected:
@@ -153,6 +166,14 @@ TEST_F(KnnRangeMetric, MissingAndSurplusCountPerRightAnswer) {
   EXPECT_DOUBLE_EQ(*judge({0, 3}).bias, 0);
   EXPECT_DOUBLE_EQ(*judge({0, 1, 1}).error, 0.5);
   EXPECT_DOUBLE_EQ(*judge({0, 1, 99}).error, 0.5);
+}
+
+TEST_F(KnnRangeMetric, RecallIsWhatIsFoundAndWrongIsAnyError) {
+  EXPECT_EQ(judge({0, 1}).extra["knn_recall"], 1.0);
+  EXPECT_EQ(judge({0, 1}).extra["knn_wrong"], 0.0);
+  EXPECT_EQ(judge({0}).extra["knn_recall"], 0.5);
+  EXPECT_EQ(judge({0, 1, 3}).extra["knn_recall"], 1.0);
+  EXPECT_EQ(judge({0, 1, 3}).extra["knn_wrong"], 1.0);
 }
 
 TEST_F(KnnRangeMetric, ApproximateMayMissButNotInvent) {

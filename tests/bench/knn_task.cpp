@@ -5,8 +5,11 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 
+#include "bench/core/cells.hpp"
+#include "bench/knn/density_picture.hpp"
 #include "bench/knn/questions.hpp"
 
 namespace treeline::bench::knn {
@@ -28,9 +31,9 @@ TEST(KnnTask, EveryMethodIsBuiltOrNamedAsNotBuilt) {
     names.insert(method);
     EXPECT_FALSE(package.empty()) << method;
   }
-  EXPECT_EQ(names,
-            (std::multiset<std::string>{"brute", "bsp_tree", "bvh", "cgal_kdtree", "flann_forest",
-                                        "flann_single", "kd_tree", "nanoflann", "pcl_kdtree", "pcl_octree"}));
+  EXPECT_EQ(names, (std::multiset<std::string>{"brute", "bsp_tree", "bvh", "cgal_kdtree", "flann_forest",
+                                               "flann_kmeans", "flann_single", "kd_tree", "nanoflann",
+                                               "pcl_kdtree", "pcl_octree"}));
 }
 
 TEST(KnnTask, KnobsAreFlatObjectsAndPeersNameTheirVersion) {
@@ -47,11 +50,14 @@ TEST(KnnTask, KnobsAreFlatObjectsAndPeersNameTheirVersion) {
 }
 
 TEST(KnnTask, AdviceIsMeasuredOnSetsThatExist) {
-  const auto block = task().open({"uniform_cube", 1000}, smoke());
-  for (const std::string& name : task().advise_on()) {
+  for (const Profile profile : {Profile::smoke, Profile::quick, Profile::full}) {
+    RunContext context = smoke();
+    context.profile = profile;
+    const auto block = task().open({"uniform_cube", 1000}, context);
     const auto& sets = block->query_sets();
-    EXPECT_TRUE(std::any_of(sets.begin(), sets.end(), [&](const QuerySet& s) { return s.name == name; }))
-        << name;
+    for (const std::string& name : task().advise_on())
+      EXPECT_TRUE(std::any_of(sets.begin(), sets.end(), [&](const QuerySet& s) { return s.name == name; }))
+          << name;
   }
 }
 
@@ -74,7 +80,7 @@ TEST(KnnTask, ProfilesNameRecipesThatExist) {
 TEST(KnnTask, EveryMethodKeepsItsClaimOnSmallClouds) {
   for (const BlockSpec& spec : task().blocks(Profile::smoke)) {
     const auto block = task().open(spec, smoke());
-    ASSERT_EQ(block->query_sets().size(), 7u);
+    ASSERT_EQ(block->query_sets().size(), 11u);
     for (std::size_t m = 0; m < task().methods().size(); ++m) {
       const MethodInfo& info = task().methods()[m];
       for (const Knobs& build_knobs : info.build_knobs) {
@@ -95,6 +101,22 @@ TEST(KnnTask, EveryMethodKeepsItsClaimOnSmallClouds) {
             EXPECT_GE(*errors.bias, info.claim == Claim::exact ? 0.0 : -1.0) << cell;
           }
       }
+    }
+  }
+}
+
+TEST(KnnTask, QuickProfileMeasuresTheBestBuildsOnly) {
+  for (const Profile profile : {Profile::smoke, Profile::quick, Profile::full}) {
+    RunContext context = smoke();
+    context.profile = profile;
+    const BlockSpec spec{"uniform_cube", 1000};
+    std::map<std::size_t, std::set<std::size_t>> measured;
+    for (const Cell& cell : cells_of(task(), facts_of(spec, *task().open(spec, context)), 1))
+      measured[cell.method].insert(cell.build);
+    for (std::size_t m = 0; m < task().methods().size(); ++m) {
+      const MethodInfo& info = task().methods()[m];
+      const std::size_t most = profile == Profile::quick ? info.quick_builds : SIZE_MAX;
+      EXPECT_EQ(measured[m].size(), std::min(most, info.build_knobs.size())) << info.name;
     }
   }
 }
@@ -124,7 +146,8 @@ TEST(KnnQuestions, RadiusAndBoxHoldThirtyOnAverage) {
   const DoubleScan scan(cloud.points);
   const Questions q = questions_about(scan, 500, 1, 2);
   double within = 0, inside = 0;
-  for (const Vec3f& p : q.self) within += static_cast<double>(scan.within(p, q.radius).must.size());
+  for (const Vec3f& p : q.points[Questions::self])
+    within += static_cast<double>(scan.within(p, q.radius).must.size());
   for (const geometry::Box3f& b : q.boxes) inside += static_cast<double>(scan.inside(b).must.size());
   // A Poisson count of mean 30: the radius is set on 64 queries, read on 500; five standard errors.
   const double slack = 5 * std::sqrt(30.0 / 64 + 30.0 / 500);
@@ -137,12 +160,10 @@ TEST(KnnQuestions, SameForAnyNumberOfThreadsAndOtherForAnotherSeed) {
   const DoubleScan scan(cloud.points);
   const Questions a = questions_about(scan, 100, 1, 1), b = questions_about(scan, 100, 1, 2),
                   c = questions_about(scan, 100, 2, 1);
-  EXPECT_EQ(a.self, b.self);
-  EXPECT_EQ(a.off, b.off);
+  EXPECT_EQ(a.points, b.points);
   EXPECT_EQ(a.boxes, b.boxes);
   EXPECT_EQ(a.radius, b.radius);
-  EXPECT_NE(a.self, c.self);
-  EXPECT_NE(a.off, c.off);
+  for (int place = 0; place < Questions::places; ++place) EXPECT_NE(a.points[place], c.points[place]);
 }
 
 TEST(KnnQuestions, SelfQueriesAreDistinctPointsOfTheCloud) {
@@ -151,11 +172,85 @@ TEST(KnnQuestions, SelfQueriesAreDistinctPointsOfTheCloud) {
   const auto by_x = [](const Vec3f& a, const Vec3f& b) {
     return std::lexicographical_compare(a.v, a.v + 3, b.v, b.v + 3);
   };
-  std::vector<Vec3f> asked = q.self, points = cloud.points;
+  std::vector<Vec3f> asked = q.points[Questions::self], points = cloud.points;
   std::sort(asked.begin(), asked.end(), by_x);
   std::sort(points.begin(), points.end(), by_x);
   EXPECT_EQ(asked, points);
-  EXPECT_NE(q.self, cloud.points) << "not shuffled";
+  EXPECT_NE(q.points[Questions::self], cloud.points) << "not shuffled";
+}
+
+double path_length(const std::vector<Vec3f>& points) {
+  double sum = 0;
+  for (std::size_t i = 1; i < points.size(); ++i) sum += distance(points[i - 1], points[i]);
+  return sum;
+}
+
+TEST(KnnQuestions, SortedOnesAreThoseOfTheCloudAlongAShortPath) {
+  const auto cloud = datasets::generate("uniform_cube", 20'000, 3).cloud;
+  const Questions q = questions_about(DoubleScan(cloud.points), 1'000, 1, 1);
+  const auto &self = q.points[Questions::self], &sorted = q.points[Questions::sorted];
+  std::set<std::uint32_t> numbers(q.order.begin(), q.order.end());
+  ASSERT_EQ(numbers.size(), self.size());
+  for (std::size_t i = 0; i < self.size(); ++i) EXPECT_EQ(sorted[i], self[q.order[i]]);
+  // A random path through the unit cube takes 0.66 a step; along the curve a step is about a spacing of 0.1.
+  EXPECT_LT(path_length(sorted), 0.35 * path_length(self));
+}
+
+TEST(KnnQuestions, FarOnesLieTwoToFourDiagonalsAwayOnAllSides) {
+  const auto cloud = datasets::generate("lidar", 2'000, 3).cloud;
+  const DoubleScan scan(cloud.points);
+  const geometry::Box3f box = scan.box();
+  const double diagonal = distance(box.low, box.high);
+  const Questions q = questions_about(scan, 300, 1, 1);
+  std::set<int> octants;
+  for (const Vec3f& p : q.points[Questions::far]) {
+    const Vec3f from = p - box.centre();
+    EXPECT_GT(length(from), 1.999 * diagonal);
+    EXPECT_LT(length(from), 4.001 * diagonal);
+    octants.insert((from[0] > 0) + 2 * (from[1] > 0) + 4 * (from[2] > 0));
+  }
+  EXPECT_EQ(octants.size(), 8u);
+}
+
+// Two sets that ask the same in another order must be judged by the same truth.
+TEST(KnnTask, SortedQueriesHaveTheErrorsOfTheUnsorted) {
+  const auto block = task().open({"lidar", 1000}, smoke());
+  const auto number = [&](const std::string& name) {
+    const auto& sets = block->query_sets();
+    const auto at = std::ranges::find(sets, name, &QuerySet::name);
+    return static_cast<std::size_t>(at - sets.begin());
+  };
+  for (std::size_t m = 0; m < task().methods().size(); ++m) {
+    const MethodInfo& info = task().methods()[m];
+    const auto subject = block->build(m, info.build_knobs.front(), 1);
+    const auto errors = [&](const std::string& set) {
+      subject->run(number(set), info.query_knobs.front(), 1);
+      return block->check(m, *subject, number(set), info.query_knobs.front());
+    };
+    const Errors self = errors("knn8_self"), sorted = errors("knn8_sorted");
+    EXPECT_NEAR(*self.error, *sorted.error, 1e-12) << info.name;
+    EXPECT_EQ(self.max, sorted.max) << info.name;
+    EXPECT_EQ(self.extra, sorted.extra) << info.name;
+  }
+}
+
+TEST(KnnTask, LeavesVisitedAreFewerThanNodesAndHoldThePointsTouched) {
+  const auto block = task().open({"uniform_cube", 1000}, smoke());
+  for (std::size_t m = 0; m < task().methods().size(); ++m) {
+    const MethodInfo& info = task().methods()[m];
+    if (info.source != Source::ours) continue;
+    const Knobs& knobs = info.build_knobs.front();
+    const auto subject = block->build(m, knobs, 1);
+    for (std::size_t set = 0; set < block->query_sets().size(); ++set) {
+      subject->run(set, {}, 1);
+      const double leaves = block->check(m, *subject, set, {}).extra.at("knn_leaves");
+      const auto [nodes, primitives] = *subject->work(set, {});
+      EXPECT_GE(leaves, 1) << info.name;
+      EXPECT_LE(leaves, nodes) << info.name;
+      const double most = info.family == "brute" ? 1000.0 : knobs.at("leaf_size").get<double>();
+      EXPECT_LE(primitives, most * leaves) << info.name;
+    }
+  }
 }
 
 TEST(KnnTask, OpensTheVerticesOfAMesh) {
@@ -169,7 +264,7 @@ TEST(KnnTask, RefusesACloudWithoutAnyFinitePoint) {
   EXPECT_THROW(task().open(empty, smoke()), std::invalid_argument);
 }
 
-TEST(KnnTask, DrawsEachOfOurTreesAndIndexesTheDrawings) {
+TEST(KnnTask, DrawsTheDensityAndEachOfOurTreesAndIndexesTheDrawings) {
   const auto folder = std::filesystem::temp_directory_path() / "treeline_knn_pictures_test";
   std::filesystem::remove_all(folder);
   task().pictures({"uniform_cube", 1000}, smoke(), folder.string());
@@ -178,17 +273,44 @@ TEST(KnnTask, DrawsEachOfOurTreesAndIndexesTheDrawings) {
   for (std::string line; std::getline(index, line);) {
     const auto entry = nlohmann::json::parse(line);
     drawn.insert(entry.at("method"));
-    EXPECT_EQ(entry.at("kind"), "slice");
+    const bool slice = entry.at("kind") == "slice";
+    EXPECT_EQ(entry.at("kind"), slice ? "slice" : "density");
+    EXPECT_EQ(entry.at("method") == "", !slice);
     EXPECT_EQ(entry.at("dataset"), "uniform_cube:1000");
     std::ifstream file(folder / entry.at("file").get<std::string>());
     const std::string svg((std::istreambuf_iterator<char>(file)), {});
     EXPECT_EQ(svg.rfind("<svg ", 0), 0u);
     EXPECT_NE(svg.find("<path "), std::string::npos);
-    EXPECT_NE(svg.find("<circle "), std::string::npos);
+    EXPECT_EQ(svg.find("<circle ") != std::string::npos, slice);
     EXPECT_EQ(svg.find("nan"), std::string::npos);
   }
-  EXPECT_EQ(drawn, (std::set<std::string>{"kd_tree", "bsp_tree", "bvh"}));
+  EXPECT_EQ(drawn, (std::set<std::string>{"", "kd_tree", "bsp_tree", "bvh"}));
   std::filesystem::remove_all(folder);
+}
+
+TEST(KnnPictures, DensityIsThatOfTheCloud) {
+  const auto cloud = datasets::generate("uniform_cube", 20'000, 1).cloud;
+  const DensityPicture inside = density_picture(cloud.points, DoubleScan(cloud.points).box(), 2, 0.5);
+  // The estimate from 16 neighbours varies by some 25 %, over 16,384 squares by four times that.
+  EXPECT_GT(inside.most, 20'000);
+  EXPECT_LT(inside.most, 100'000);
+  EXPECT_GT(inside.least, 2'000);
+  EXPECT_LT(inside.least, 20'000);
+  std::vector<Vec3f> finer = cloud.points;
+  for (Vec3f& p : finer) p = p * 0.5f;
+  const DensityPicture half = density_picture(finer, DoubleScan(finer).box(), 2, 0.25);
+  EXPECT_NEAR(half.most / inside.most, 8, 1e-3);  // the same points in an eighth of the volume
+  EXPECT_EQ(half.svg, inside.svg);                // and so the same picture
+}
+
+TEST(KnnPictures, PointsThatCoincideOrLieInAPlaneHaveNoNan) {
+  const std::vector<Vec3f> equal(50, Vec3f{1, 2, 3});
+  EXPECT_EQ(density_picture(equal, DoubleScan(equal).box(), 0, 1).svg, "");
+  std::vector<Vec3f> line;
+  for (int i = 0; i < 40; ++i) line.push_back({static_cast<float>(i % 2), 0, 0});
+  const DensityPicture picture = density_picture(line, DoubleScan(line).box(), 2, 0);
+  EXPECT_TRUE(std::isfinite(picture.least) && std::isfinite(picture.most));
+  EXPECT_NE(picture.svg.find("<path "), std::string::npos);
 }
 
 }  // namespace

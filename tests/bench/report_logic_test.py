@@ -13,7 +13,7 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
 import report_fixture as fixture
-from bench.report import advice, compare, frontier, layout, model, pictures, rows, stability, units, winners
+from bench.report import advice, claims, compare, frontier, layout, ledger, model, pictures, rows, stability, units, winners
 
 METHOD = ("kd_tree", "kd", "ours", "exact")
 PEER = ("nanoflann", "kd", "peer", "exact")
@@ -241,6 +241,94 @@ class Stability(unittest.TestCase):
         self.assertEqual(shown, [("inexact", "0.19"), ("ok", "")])
 
 
+BVH, BSP = ("bvh", "bvh", "ours", "exact"), ("bsp_tree", "bsp", "ours", "exact")
+EVEN, UNEVEN = ("uniform_cube", "uniform_ball", "grid"), ("displaced_sphere", "clusters", "lidar", "filaments")
+ASKED = ("knn8_self", "knn8_off", "knn8_far", "radius_self")
+
+
+class Claims(unittest.TestCase):
+    @staticmethod
+    def trees(kd, bvh, bsp=900.0, datasets=EVEN, sets=ASKED, sizes=(1000,), leaf=8, **values):
+        """Rows of the three binary trees; a time may be a function of the query set."""
+        at = lambda t, s: t(s) if callable(t) else t
+        return [made(m, at(t, s), dataset=d, n=n, query_set=s, build={"leaf_size": leaf}, **values)
+                for m, t in ((METHOD, kd), (BVH, bvh), (BSP, bsp)) for d in datasets for n in sizes for s in sets]  # fmt: skip
+
+    @staticmethod
+    def verdict(name, entries):
+        return next(v for v in claims.ledger(list(read(*entries))) if v.id == name)
+
+    def test_every_claim_of_the_list_has_a_verdict_and_none_is_written_there(self):
+        listed = json.loads(claims.LIST.read_text())
+        self.assertEqual([c["id"] for c in listed], ["S1", "S2"])
+        for claim in listed:
+            self.assertNotIn("verdict", claim)
+        self.assertEqual({v.word for v in claims.ledger([])}, {claims.NOT_RUN})
+
+    def test_holds_where_every_group_supports_it(self):
+        v = self.verdict("S1", self.trees(100, 200))
+        self.assertEqual((v.word, v.condition), (claims.HOLDS, ""))
+        self.assertEqual(len(v.figures), 8)  # two contests, four places
+        for _, ratio, cells, supports in v.figures:
+            self.assertAlmostEqual(ratio, 0.5)
+            self.assertEqual((cells, supports), (3, True))
+        self.assertEqual(self.verdict("S2", self.trees(200, 100, datasets=UNEVEN)).word, claims.HOLDS)
+
+    def test_does_not_hold_where_none_does_or_times_cannot_be_told_apart(self):
+        for kd, bvh in ((200, 100), (100, 100), (100, 105)):
+            self.assertEqual(self.verdict("S1", self.trees(kd, bvh)).word, claims.FAILS, (kd, bvh))
+
+    def test_holds_only_if_names_contest_and_place(self):
+        v = self.verdict("S2", self.trees(100, lambda s: 20 if s.endswith("_off") else 200, datasets=UNEVEN))
+        self.assertEqual(v.word, claims.ONLY_IF)
+        for contest in claims.CONTESTS.values():
+            self.assertIn(f"{contest}: {claims.PLACES['off']}", v.condition)
+        self.assertNotIn(claims.PLACES["self"], v.condition)
+
+    def test_the_best_of_each_family_is_another_contest(self):
+        wide = [made(("bvh16", "bvh", "ours", "exact"), 20, dataset=d, query_set=s) for d in EVEN for s in ASKED]
+        v = self.verdict("S1", self.trees(100, 200) + wide)
+        self.assertEqual(v.word, claims.ONLY_IF)
+        self.assertIn(claims.CONTESTS["binary"], v.condition)
+        self.assertNotIn(claims.CONTESTS["best"], v.condition)
+
+    def test_one_rival_suffices_to_lose_to(self):
+        self.assertEqual(self.verdict("S1", self.trees(100, 200, bsp=50)).word, claims.FAILS)
+
+    def test_a_mean_does_not_hide_that_most_cells_contradict(self):
+        entries = self.trees(1, 100, datasets=EVEN[:1]) + self.trees(150, 100, datasets=EVEN[1:])
+        v = self.verdict("S1", entries)
+        self.assertLess(v.figures[0][1], 1)
+        self.assertEqual(v.word, claims.FAILS)
+
+    def test_wrong_answers_and_unequal_leaves_do_not_count(self):
+        self.assertEqual(self.verdict("S1", self.trees(100, 200, status="wrong", error=0.5)).word, claims.NOT_RUN)
+        unequal = [r for r in self.trees(100, 200) if r["method"] == "kd_tree"]
+        unequal += [r for r in self.trees(100, 200, leaf=32) if r["method"] == "bvh"]
+        self.assertEqual({c.contest for c in self.verdict("S1", unequal).cells}, {"best"})
+
+    def test_clouds_of_the_other_claim_and_other_queries_do_not_count(self):
+        self.assertEqual(self.verdict("S1", self.trees(100, 200, datasets=UNEVEN)).word, claims.NOT_RUN)
+        self.assertEqual(self.verdict("S1", self.trees(100, 200, sets=("box_self",))).word, claims.NOT_RUN)
+
+    def test_figures_by_cloud_and_size_hold_visits_beside_times(self):
+        entries = self.trees(100, 200, bsp=400, sizes=(1000, 10_000), sets=("knn8_self",))
+        entries = [e | {"knn_leaves": {"kd": 6.0, "bvh": 2.0, "bsp": 9.0}[e["family"]]} for e in entries]
+        v = self.verdict("S1", entries)
+        found = claims.by_cloud_and_size(v)
+        self.assertEqual(len(found), 6)
+        for contests in found.values():
+            for times, visits, bsp, cells in contests.values():
+                for figure, right in ((times, 0.5), (visits, 3.0), (bsp, 2.0), (cells, 1)):
+                    self.assertAlmostEqual(figure, right)
+        self.assertIn("fewer than 3 sizes", v.coverage)
+
+    def test_the_page_shows_verdict_figures_and_rows(self):
+        text = ledger.section(read(*self.trees(100, 200)))
+        for words in ("S1", claims.HOLDS, "uniform_ball", "0.5", "rows.jsonl:1", claims.NOT_RUN):
+            self.assertIn(words, text)
+
+
 class Comparing(unittest.TestCase):
     def kinds(self, a, b):
         return [c.kind for c in compare.compare(read(a), read(b))]
@@ -280,6 +368,13 @@ class Small(unittest.TestCase):
         )
         self.assertEqual([units.figure(v) for v in (None, 0, 1e-7, 0.25, 123456)], ["-", "0", "1e-7", "0.25", "1.2e5"])
         self.assertEqual([units.count(v) for v in (7, 1000, 1_000_000)], ["7", "1k", "1M"])
+
+    def test_recall_and_leaves_have_columns_of_their_own(self):
+        row = made() | {"knn_recall": 0.99998, "knn_leaves": 3.5, "knn_missing": 0.25}
+        table = model.table(model.task_models(list(read(row))))
+        shown = dict(zip(table["columns"], table["rows"][0]))
+        self.assertEqual((shown["recall"], shown["leaves"]), (0.99998, 3.5))
+        self.assertEqual(table["strings"][shown["extra"]], "missing 0.25")
 
     def test_no_two_methods_look_alike(self):
         found = model.task_models(

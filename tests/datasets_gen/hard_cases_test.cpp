@@ -31,7 +31,10 @@ TEST(HardCases, SayWhatTheyAreAndStaySmall) {
     EXPECT_TRUE(names.insert(c.name).second) << "twice: " << c.name;
     ++families[c.family];
     EXPECT_FALSE(c.source.empty() || c.law.empty() || c.family.empty()) << c.name;
-    EXPECT_LE(c.cloud.size(), c.name == "equal_points_1e5" ? 100'000u : 20'000u) << c.name;
+    const std::size_t most = c.name == "equal_points_1e6"   ? 1'000'000
+                             : c.name == "equal_points_1e5" ? 100'000
+                                                            : 20'000;
+    EXPECT_LE(c.cloud.size(), most) << c.name;
     EXPECT_LE(c.mesh.size(), 20'000u) << c.name;
     EXPECT_LE(c.queries.size(), 2000u) << c.name;
     EXPECT_LE(c.rays.size(), 2000u) << c.name;
@@ -41,7 +44,8 @@ TEST(HardCases, SayWhatTheyAreAndStaySmall) {
       for (const auto v : f) ASSERT_LT(v, c.mesh.vertices.size()) << c.name;
   }
   for (const char* family : {"ties_duplicates", "degenerate_triangles", "far_from_origin", "edge_vertex_rays",
-                             "axis_parallel_rays", "nan_infinity", "empty_one_kn", "lines_planes_outliers"})
+                             "axis_parallel_rays", "nan_infinity", "empty_one_kn", "lines_planes_outliers",
+                             "float_range", "radius_borders"})
     EXPECT_GT(families[family], 3) << family;
 }
 
@@ -60,14 +64,15 @@ TEST(HardCases, AreTheSameEveryTime) {
   }
 }
 
-TEST(HardCases, OnlyThoseThatAreNotFiniteMayBeRefused) {
+TEST(HardCases, OnlyThoseThatAreNotFiniteOrAskForNothingMayBeRefused) {
   for (const HardCase& c : cases()) {
     bool finite = true;
     for (const auto& p : c.cloud.points) finite &= is_finite(p);
     for (const auto& p : c.queries) finite &= is_finite(p);
     for (const auto& p : c.mesh.vertices) finite &= is_finite(p);
     for (const auto& r : c.rays) finite &= is_finite(r.origin) && is_finite(r.direction);
-    EXPECT_EQ(finite, c.expect == Expect::answers) << c.name;
+    const bool asks = c.k > 0 && c.radius.value_or(0) >= 0;
+    EXPECT_EQ(finite && asks, c.expect == Expect::answers) << c.name;
     if (!finite) continue;
     for (const auto& r : c.rays) EXPECT_NE(r.direction, Vec3f()) << c.name;
   }
@@ -157,6 +162,21 @@ TEST(HardCases, GridQueriesTieAtTheLastNeighbour) {
     ties += d[c.k - 1] == d[c.k];
   }
   EXPECT_GT(ties, c.queries.size() / 2);
+}
+
+TEST(HardCases, SquaresLeaveTheRangeOfFloats) {
+  for (const Vec3f& p : named("squares_overflow").cloud.points) EXPECT_GT(length(Vec3d(p)), 1.8e19);
+  std::size_t vanished = 0;
+  const auto& tiny = named("squares_underflow").cloud.points;
+  for (const Vec3f& p : tiny) vanished += p[0] * p[0] + p[1] * p[1] + p[2] * p[2] == 0;
+  EXPECT_GT(vanished, tiny.size() / 100);
+}
+
+TEST(HardCases, PointsLieExactlyAtTheRadius) {
+  const HardCase& c = named("points_exactly_at_the_radius");
+  std::size_t at = 0;
+  for (const Vec3f& p : c.cloud.points) at += distance2(Vec3d(p), Vec3d(c.queries[0])) == 25;
+  EXPECT_EQ(at, 30u);  // 24 of (0, ±3, ±4) and 6 of (±5, 0, 0)
 }
 
 TEST(HardCases, AxisRaysHaveTheComponentsInTheirNames) {

@@ -65,6 +65,8 @@ const chartRows = {
   scaling: (task, dataset, c) => chosen(task, dataset, c, true).filter((r) => r.best),
 };
 
+/// A share of 1, never rounded up to it: 0.99998 is not all.
+const share = (v) => (v === null || v === undefined ? "–" : v === 1 ? "1" : String(Math.floor(v * 1e4) / 1e4));
 const figure = (v) => {
   if (v === null || v === undefined) return "–";
   if (v === 0) return "0";

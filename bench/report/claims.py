@@ -1,0 +1,178 @@
+"""The claims ledger: sentences that courses repeat, each held against the rows. No verdict is ever typed in.
+
+claims.json lists the sentences. A structure's claim names the family it favours, and the clouds and query sets it is
+about. Two contests decide, for no single one is fair to all:
+
+    binary   our scalar binary trees with leaves of one size: what the structures themselves are worth
+    best     the fastest right method of each family, ours or a peer: what a user can get
+
+A cell is one query set on one cloud; its ratio is the favoured family's time over that of its fastest rival. Cells fall
+into groups by contest and by where the queries lie. Every group supports the claim: it holds; some: it holds only if;
+none: it does not hold.
+"""
+
+import json
+from collections import defaultdict
+from dataclasses import dataclass, field
+from math import exp, log
+from pathlib import Path
+
+from bench.report.frontier import groups, right
+
+LIST = Path(__file__).with_name("claims.json")
+HOLDS, ONLY_IF, FAILS, NOT_RUN = "holds", "holds only if", "does not hold", "not run"
+FAMILIES = ("kd", "bvh", "bsp")
+BINARY = {"kd": "kd_tree", "bvh": "bvh", "bsp": "bsp_tree"}
+CONTESTS = {"binary": "binary trees with leaves of equal size", "best": "the best of each family"}
+PLACES = {"self": "asked at points of the cloud", "off": "asked off the cloud", "far": "asked from far away",
+          "radius": "asked for a radius"}  # fmt: skip
+NEAR = 1.1  # times repeat within some 10 %: a smaller difference is none
+AGREEING = 0.75  # of a group's cells must not contradict
+SIZES = 3  # that an experiment should span
+
+
+@dataclass
+class Cell:
+    """One query set on one cloud, in one contest."""
+
+    contest: str
+    place: str
+    dataset: str
+    size: int
+    query_set: str
+    rows: dict  # family: its fastest row
+    ratio: float  # the favoured family's time over its fastest rival's
+
+    def against(self, a, b, figure):
+        """The ratio of a figure of two families, or None where one lacks it."""
+        values = [figure(self.rows[f]) if f in self.rows else None for f in (a, b)]
+        return values[0] / values[1] if all(values) else None
+
+
+@dataclass
+class Verdict:
+    id: str
+    sentence: str
+    experiment: str
+    word: str = NOT_RUN
+    condition: str = ""  # of "holds only if"
+    figures: list = field(default_factory=list)  # (group in words, mean ratio, cells, supports)
+    cells: list = field(default_factory=list)
+    coverage: str = ""
+
+
+def ledger(rows):
+    """A verdict for every claim of the list."""
+    return [judge(claim, rows) for claim in json.loads(LIST.read_text())]
+
+
+def judge(claim, rows):
+    verdict = Verdict(claim["id"], claim["sentence"], claim["experiment"])
+    verdict.cells = cells_of(claim, rows)
+    by_group = defaultdict(list)
+    for cell in verdict.cells:
+        by_group[cell.contest, cell.place].append(cell)
+    supporting = []
+    for contest, place in ((c, p) for c in CONTESTS for p in PLACES if (c, p) in by_group):
+        ratios = [cell.ratio for cell in by_group[contest, place]]
+        supports = mean(ratios) < 1 / NEAR and sum(r <= NEAR for r in ratios) >= AGREEING * len(ratios)
+        verdict.figures.append((f"{CONTESTS[contest]}, {PLACES[place]}", mean(ratios), len(ratios), supports))
+        if supports:
+            supporting.append((contest, place))
+    if verdict.figures:
+        verdict.word = HOLDS if len(supporting) == len(by_group) else ONLY_IF if supporting else FAILS
+        verdict.coverage = _coverage(claim, verdict.cells)
+    if verdict.word == ONLY_IF:
+        verdict.condition = _condition(supporting)
+    return verdict
+
+
+def mean(ratios):
+    """The geometric one, or None of nothing."""
+    return exp(sum(map(log, ratios)) / len(ratios)) if ratios else None
+
+
+def cells_of(claim, rows):
+    found = []
+    mine = (r for r in rows if r.task == claim["task"] and not r.hard and r.dataset in claim["clouds"])
+    for group in groups(r for r in mine if (r.query_set or "").startswith(tuple(claim["query_sets"]))).values():
+        place = _place(group[0].query_set)
+        if place is None:
+            continue
+        for contest, entrants in _entrants(group):
+            if claim["favoured"] not in entrants or not {"kd", "bvh"} <= set(entrants):
+                continue
+            rivals = (r.query_ns for f, r in entrants.items() if f != claim["favoured"])
+            ratio = entrants[claim["favoured"]].query_ns / min(rivals)
+            first = group[0]
+            found.append(Cell(contest, place, first.dataset, first.size, first.query_set, entrants, ratio))
+    return found
+
+
+def _place(query_set):
+    if query_set.startswith("radius"):
+        return "radius"
+    place = query_set.rpartition("_")[2].replace("sorted", "self")
+    return place if place in PLACES else None
+
+
+def _entrants(group):
+    """(contest, family: its fastest right row), a contest of binary trees for each leaf size that they share."""
+    able = [r for r in group if right(r)]
+    by_leaf = defaultdict(dict)
+    for row in able:
+        if row.source == "ours" and BINARY.get(row.family) == row.method and "leaf_size" in (row.build_knobs or {}):
+            _keep_fastest(by_leaf[row.build_knobs["leaf_size"]], row)
+    for entrants in by_leaf.values():
+        yield "binary", entrants
+    best = {}
+    for row in able:
+        if row.family in FAMILIES:
+            _keep_fastest(best, row)
+    yield "best", best
+
+
+def _keep_fastest(entrants, row):
+    held = entrants.get(row.family)
+    if held is None or row.query_ns < held.query_ns:
+        entrants[row.family] = row
+
+
+def _condition(supporting):
+    parts = []
+    for contest, words in CONTESTS.items():
+        places = [PLACES[p] for c, p in supporting if c == contest]
+        if places:
+            parts.append(f"{words}: " + ", ".join(places))
+    return "; ".join(parts)
+
+
+def _coverage(claim, cells):
+    """How much the verdict rests on; each cloud should be there at several sizes."""
+    sizes = {d: len({c.size for c in cells if c.dataset == d}) for d in claim["clouds"]}
+    absent = [d for d, n in sizes.items() if n == 0]
+    thin = [d for d, n in sizes.items() if 0 < n < SIZES]
+    text = f"{len(cells)} comparisons on {len(sizes) - len(absent)} of {len(sizes)} clouds"
+    text += f"; not measured: {', '.join(absent)}" if absent else ""
+    return text + (f"; at fewer than {SIZES} sizes: {', '.join(thin)}" if thin else "")
+
+
+def leaves(row):
+    return row.extra.get(f"{row.task}_leaves")
+
+
+def time(row):
+    return row.query_ns
+
+
+def by_cloud_and_size(verdict):
+    """{(cloud, size): {contest: (KD/BVH of times, KD/BVH of leaves, BSP/BVH of times, cells)}}, geometric means."""
+    found = defaultdict(lambda: defaultdict(list))
+    for cell in verdict.cells:
+        found[cell.dataset, cell.size][cell.contest].append(cell)
+
+    def summed(cells):
+        ratios = lambda a, b, f: mean([r for c in cells if (r := c.against(a, b, f))])
+        return ratios("kd", "bvh", time), ratios("kd", "bvh", leaves), ratios("bsp", "bvh", time), len(cells)
+
+    return {key: {name: summed(cells) for name, cells in contests.items()} for key, contests in sorted(found.items())}

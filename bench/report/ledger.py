@@ -1,0 +1,65 @@
+"""The claims ledger as HTML: each sentence with its verdict, the figures it rests on and the rows behind them."""
+
+from pathlib import Path
+
+from bench.report import claims
+from bench.report.pieces import esc
+from bench.report.rows import knob_text
+from bench.report.units import count, duration, figure
+
+CLASSES = {claims.HOLDS: "ours", claims.ONLY_IF: "even", claims.FAILS: "peer", claims.NOT_RUN: ""}
+NOTE = f"""Sentences that courses and handbooks repeat, each held against the rows of this report. Two contests decide:
+{"; and ".join(claims.CONTESTS.values())}. A figure is the favoured structure's time over its fastest rival's, the geometric
+mean of a group: below 1 it wins. A group supports the sentence if that mean is below {1 / claims.NEAR:.2f} and at least
+{claims.AGREEING:.0%} of its comparisons do not contradict it. Every group supports: it holds; some do: it holds only if;
+none does: it does not hold."""
+
+
+def section(rows):
+    """The whole ledger."""
+    body = "".join(_claim(v) for v in claims.ledger(list(rows)))
+    return f'<section id="claims"><h2>Claims ledger</h2><p class="note">{esc(NOTE)}</p>{body}</section>'
+
+
+def _claim(v):
+    condition = f": {esc(v.condition)}" if v.condition else ""
+    head = (f'<article class="claim" id="claim-{v.id}"><h3>{v.id} {esc(v.sentence)}</h3>'
+            f'<p class="verdict {CLASSES[v.word]}"><b>{esc(v.word)}</b>{condition}</p>'
+            f'<p class="note">Tried by {esc(v.experiment)}. {esc(v.coverage)}</p>')  # fmt: skip
+    return head + (_groups(v) + _clouds(v) + _cells(v) if v.cells else "") + "</article>"
+
+
+def _table(heads, lines):
+    head = "".join(f"<th scope=col>{h}</th>" for h in heads)
+    body = "".join("<tr>" + "".join(f"<td>{esc(str(c))}</td>" for c in line) + "</tr>" for line in lines)
+    rows = f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody>"
+    return f'<div class="scroll"><table class="plain">{rows}</table></div>'
+
+
+def _groups(v):
+    lines = [(words, figure(ratio), cells, "yes" if yes else "no") for words, ratio, cells, yes in v.figures]
+    return _table(("group", "time over the fastest rival's", "comparisons", "supports the sentence"), lines)
+
+
+def _clouds(v):
+    """Times and leaf visits by cloud and size: visits tell what a structure saves, times what that is worth."""
+    lines = []
+    for (dataset, size), contests in claims.by_cloud_and_size(v).items():
+        times, leaves, bsp, _ = contests.get("binary", (None,) * 4)
+        best, _, _, _ = contests.get("best", (None,) * 4)
+        lines.append((dataset, count(size), figure(times), figure(leaves), figure(bsp), figure(best)))
+    heads = ("cloud", "points", "KD/BVH, time, binary", "KD/BVH, leaves visited, binary", "BSP/BVH, time, binary",
+             "KD/BVH, time, best of each")  # fmt: skip
+    return _table(heads, lines)
+
+
+def _cells(v):
+    lines = []
+    for c in v.cells:
+        for family in claims.FAMILIES:
+            if row := c.rows.get(family):
+                where = f"{Path(row.file).name}:{row.line}"
+                lines.append((c.dataset, count(c.size), c.query_set, c.contest, family, row.method,
+                              knob_text(row.build_knobs), duration(row.query_ns), figure(claims.leaves(row)), where))  # fmt: skip
+    heads = ("cloud", "points", "query set", "contest", "family", "method", "built with", "time", "leaves", "row")
+    return f"<details><summary>The {len(lines)} rows behind it</summary>{_table(heads, lines)}</details>"
