@@ -20,6 +20,7 @@ class SortedBest {
     std::ranges::fill(best_, Neighbor<T>{within, no_id});
   }
   T limit() const { return best_.back().distance2; }
+  bool full() const { return best_.back().id != no_id; }
   bool offer(T distance2, Id id) {
     const Neighbor<T> candidate{distance2, id};
     if (!(candidate < best_.back())) return false;
@@ -44,6 +45,7 @@ class HeapBest {
     std::ranges::fill(best_, Neighbor<T>{within, no_id});
   }
   T limit() const { return best_.front().distance2; }
+  bool full() const { return best_.front().id != no_id; }
   bool offer(T distance2, Id id) {
     const Neighbor<T> candidate{distance2, id};
     if (!(candidate < best_.front())) return false;
@@ -67,9 +69,9 @@ template <class T, class Best>
 class Hasty {
  public:
   Hasty(Best& best, T shrink, std::size_t leaves) : best_(best), shrink_(shrink), leaves_(leaves) {}
-  T limit() const { return leaves_ == 0 ? T(-1) : best_.limit() * shrink_; }
+  T limit() const { return leaves_ == 0 && best_.full() ? T(-1) : best_.limit() * shrink_; }
   bool offer(T distance2, Id id) { return best_.offer(distance2, id); }
-  void enter_leaf() { --leaves_; }
+  void enter_leaf() { leaves_ -= leaves_ > 0; }
 
  private:
   Best& best_;

@@ -251,7 +251,12 @@ template <bool exact, int D, class Best, class W>
       if (!matters(tree.level(level)[at], q, lane, best)) continue;
     const std::size_t child = at * lanes + static_cast<std::size_t>(lane);
     if (level == 1) {
-      if (!exact && --effort.leaves == 0) return;
+      if constexpr (!exact) {
+        if (effort.leaves > 1)
+          --effort.leaves;
+        else if (best.last_id() != no_id)
+          return;
+      }
       take(child);
       continue;
     }

@@ -31,7 +31,7 @@ class KnnSubject final : public Subject {
   void run(std::size_t query_set, const Knobs& knobs, int threads) override {
     if (!index_) return;  // its refusal is kept
     refusal_.clear();
-    visits_.reset();
+    visits_.reset(), knobs_ = knobs;
     guarded([&] { ask(questions_.sets[query_set], knobs, threads); });
   }
 
@@ -56,7 +56,7 @@ class KnnSubject final : public Subject {
   std::optional<Visits> counted(const Questions::Set& set) const {
     switch (set.kind) {
       case Kind::nearest:
-        return index_->nearest_visits(questions_.points_of(set), set.k);
+        return index_->nearest_visits(questions_.points_of(set), set.k, knobs_);
       case Kind::within:
         return index_->within_visits(questions_.points_of(set), questions_.radius);
       case Kind::inside:
@@ -103,6 +103,7 @@ class KnnSubject final : public Subject {
   std::vector<Id> ids_;
   Lists<Id> lists_;
   std::string refusal_;
+  Knobs knobs_;  // of the run whose answers these are
   mutable std::optional<Visits> visits_;
 };
 
@@ -138,7 +139,7 @@ class KnnBlock final : public Block {
     return subject;
   }
 
-  Errors check(std::size_t m, const Subject& subject, std::size_t number, const Knobs&) override {
+  Errors check(std::size_t m, const Subject& subject, std::size_t number, const Knobs& knobs) override {
     const auto& answers = dynamic_cast<const KnnSubject&>(subject);
     if (!answers.refusal().empty()) {
       Errors e;
@@ -148,9 +149,10 @@ class KnnBlock final : public Block {
     }
     const Questions::Set& set = questions_.sets[number];
     const Claim claim = methods_[m].info.claim;
-    Errors e = set.kind == Kind::nearest ? nearest_errors(opening_.points, questions_.points_of(set), set.k,
-                                                          answers.ids(), nearest_truth_of(set.place), claim)
-                                         : range_errors(answers.lists(), range_truth_of(number), claim);
+    Errors e = set.kind == Kind::nearest
+                   ? nearest_errors(opening_.points, questions_.points_of(set), set.k, answers.ids(),
+                                    nearest_truth_of(set.place), claim, knobs.value("epsilon", 0.0))
+                   : range_errors(answers.lists(), range_truth_of(number), claim);
     const std::size_t queries = questions_.size_of(set);
     if (const auto& seen = answers.visits(number); seen && queries > 0)
       e.extra["knn_leaves"] = static_cast<double>(seen->leaves) / static_cast<double>(queries);

@@ -1,3 +1,5 @@
+// Our wide bounding volume hierarchy, three ways: exact; with distances bounded by epsilon; stopped after a
+// number of leaves.
 #include "accel/bvh/wide_points.hpp"
 
 #include "bench/knn/tree_index.hpp"
@@ -7,13 +9,23 @@ namespace {
 
 using Tree = accel::Bvh<accel::Points<float, 3>, accel::Wide>;
 
+bool add(const char* name, Claim claim, int ladder, std::vector<Knobs> query_knobs) {
+  return Registry<Method>::instance().add({.info = {.name = name,
+                                                    .family = "bvh",
+                                                    .claim = claim,
+                                                    .query_knobs = std::move(query_knobs),
+                                                    .ladder = ladder},
+                                           .build = [](const Input& input, const Knobs& knobs) {
+                                             Tree::Options options;
+                                             options.threads = input.threads;
+                                             return build_tree<Tree>(input, options, knobs);
+                                           }});
+}
+
 [[maybe_unused]] const bool registered =
-    Registry<Method>::instance().add({.info = {.name = "bvh_wide", .family = "bvh", .ladder = 12},
-                                      .build = [](const Input& input, const Knobs& knobs) {
-                                        Tree::Options options;
-                                        options.threads = input.threads;
-                                        return build_tree<Tree>(input, options, knobs);
-                                      }});
+    add("bvh_wide", Claim::exact, 12, {{{"batch", true}}, {{"batch", false}}}) &&
+    add("bvh_wide_epsilon", Claim::bounded, 9, {{{"epsilon", 0.5}}, {{"epsilon", 2.0}}}) &&
+    add("bvh_wide_leaves", Claim::approximate, 8, {{{"leaves", 1}}, {{"leaves", 4}}, {{"leaves", 16}}});
 
 }  // namespace
 }  // namespace treeline::bench::knn

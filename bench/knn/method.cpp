@@ -11,7 +11,9 @@ void Index::within(std::span<const Vec3f>, float, const Knobs&, int, Lists<Id>&)
 void Index::inside(std::span<const Box3f>, const Knobs&, int, Lists<Id>&) const {
   throw Unsupported("has no box query");
 }
-std::optional<Visits> Index::nearest_visits(std::span<const Vec3f>, std::size_t) const { return {}; }
+std::optional<Visits> Index::nearest_visits(std::span<const Vec3f>, std::size_t, const Knobs&) const {
+  return {};
+}
 std::optional<Visits> Index::within_visits(std::span<const Vec3f>, float) const { return {}; }
 std::optional<Visits> Index::inside_visits(std::span<const Box3f>) const { return {}; }
 std::vector<accel::SliceCell> Index::slice(int, double) const { return {}; }

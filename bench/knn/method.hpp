@@ -62,7 +62,8 @@ class Index {
                       Lists<Id>& ids) const;
 
   /// What the same batch touches; nothing if the method cannot count.
-  virtual std::optional<Visits> nearest_visits(std::span<const Vec3f> queries, std::size_t k) const;
+  virtual std::optional<Visits> nearest_visits(std::span<const Vec3f> queries, std::size_t k,
+                                               const Knobs& query_knobs) const;
   virtual std::optional<Visits> within_visits(std::span<const Vec3f> queries, float radius) const;
   virtual std::optional<Visits> inside_visits(std::span<const Box3f> boxes) const;
 

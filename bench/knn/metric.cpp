@@ -94,7 +94,7 @@ double excess_of(double distance, double truth) {
 }  // namespace
 
 Errors nearest_errors(std::span<const Vec3f> points, std::span<const Vec3f> queries, std::size_t k,
-                      std::span<const Id> ids, const NearestTruth& truth, Claim claim) {
+                      std::span<const Id> ids, const NearestTruth& truth, Claim claim, double bound) {
   Summary summary;
   Errors verdict;
   std::size_t met = 0, met_1pct = 0, met_10pct = 0, wanted = 0, missing = 0, wrong = 0;
@@ -144,6 +144,9 @@ Errors nearest_errors(std::span<const Vec3f> points, std::span<const Vec3f> quer
     if (claim == Claim::exact && largest > floor)
       blame(verdict, number,
             "a distance is off by " + std::to_string(largest) + " relative, beyond rounding");
+    if (claim == Claim::bounded && largest > bound + floor * (1 + bound))
+      blame(verdict, number,
+            "a distance is off by " + std::to_string(largest) + " relative, beyond " + std::to_string(bound));
   }
   Errors e = summary.errors(floor);
   e.within_claim = verdict.within_claim, e.reason = verdict.reason;

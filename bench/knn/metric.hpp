@@ -26,9 +26,11 @@ double float_floor();
 /// (distance ≤ true k-th · (1 + 1e-6)); knn_recall_1pct, knn_recall_10pct: the same for distances up to 1 %
 /// and 10 % above it (Aumüller, Bernhardsson and Faithfull 2020); knn_missing: share of them that are
 /// missing, repeated or invalid; knn_wrong: share of the queries whose answer errs beyond the floor. Claim
-/// exact: wrong above the floor. Otherwise: wrong only for missing, repeated and invalid ids.
+/// exact: wrong above the floor. bounded: wrong above `bound` and the floor together. Otherwise: wrong only
+/// for missing, repeated and invalid ids.
 Errors nearest_errors(std::span<const geometry::Vec3f> points, std::span<const geometry::Vec3f> queries,
-                      std::size_t k, std::span<const accel::Id> ids, const NearestTruth& truth, Claim claim);
+                      std::size_t k, std::span<const accel::Id> ids, const NearestTruth& truth, Claim claim,
+                      double bound = 0);
 
 /// knn_recall: share of the right answers that are found; knn_missing, knn_surplus: per right answer, over
 /// all queries; knn_wrong: share of the queries with any of either. Claim exact: wrong for any of either.

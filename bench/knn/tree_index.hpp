@@ -1,11 +1,26 @@
 // Any tree of ours (brute force included) as a method: its own batches, its own work counters.
+//
+// Query knobs: batch (false: a call for each query, as an application without batches would), epsilon and
+// leaves (see NearestOptions).
 #pragma once
 
+#include "accel/batch.hpp"
 #include "accel/concepts.hpp"
 #include "bench/core/registry.hpp"
 #include "bench/knn/method.hpp"
 
 namespace treeline::bench::knn {
+
+inline bool one_by_one(const Knobs& knobs) {
+  return knobs.contains("batch") && !knobs.at("batch").get<bool>();
+}
+
+inline accel::NearestOptions<float> options_of(const Knobs& knobs) {
+  accel::NearestOptions<float> options;
+  if (knobs.contains("epsilon")) options.epsilon = knobs.at("epsilon").get<double>();
+  if (knobs.contains("leaves")) options.max_leaves = knobs.at("leaves").get<std::size_t>();
+  return options;
+}
 
 template <class Tree>
 requires accel::NeighborIndex<Tree> && accel::Inspectable<Tree>
@@ -15,11 +30,20 @@ class TreeIndex final : public Index {
  public:
   TreeIndex(const Input& input, const typename Tree::Options& options) : tree_(input.points, options) {}
 
-  void nearest(std::span<const Vec3f> queries, std::size_t k, const Knobs&, int threads,
+  void nearest(std::span<const Vec3f> queries, std::size_t k, const Knobs& knobs, int threads,
                std::span<Id> ids) const override {
     thread_local std::vector<Neighbor> found;
     found.resize(ids.size());
-    tree_.nearest(queries, k, std::span<Neighbor>(found), threads);
+    const auto options = options_of(knobs);
+    if (one_by_one(knobs))
+      accel::parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          const std::span<Neighbor> row(&found[i * k], k);
+          for (std::size_t n = tree_.nearest(queries[i], k, options, row); n < k; ++n) row[n] = {};
+        }
+      });
+    else
+      tree_.nearest(queries, k, options, std::span<Neighbor>(found), threads);
     for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = found[i].id;
   }
 
@@ -36,10 +60,11 @@ class TreeIndex final : public Index {
     tree_.inside(boxes, ids, threads);
   }
 
-  std::optional<Visits> nearest_visits(std::span<const Vec3f> queries, std::size_t k) const override {
+  std::optional<Visits> nearest_visits(std::span<const Vec3f> queries, std::size_t k,
+                                       const Knobs& knobs) const override {
     Visits visits;
     std::vector<Neighbor> found(k);
-    for (const Vec3f& q : queries) tree_.nearest(q, k, std::span<Neighbor>(found), visits);
+    for (const Vec3f& q : queries) tree_.nearest(q, k, options_of(knobs), std::span<Neighbor>(found), visits);
     return visits;
   }
   std::optional<Visits> within_visits(std::span<const Vec3f> queries, float radius) const override {
