@@ -6,8 +6,8 @@
 // can then not leave the triangle's range, and since box tests are monotone, no box around the triangle
 // excludes an accepted hit: a tree of boxes gives bit by bit what brute force gives.
 // It is the computed t that must lie in the interval: a hit within its rounding of t_min or t_max falls on
-// either side. Widening the interval would only move that line, and at t_min = 0 by enough to let rays hit the
-// large triangle that they start from.
+// either side. Widening the interval would only move that line, and at t_min = 0 by enough to let rays hit
+// the large triangle that they start from.
 #pragma once
 
 #include <array>

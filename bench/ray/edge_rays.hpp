@@ -1,21 +1,18 @@
 // Rays aimed at edges that triangles share, and at vertices that triangles surround.
 //
 // Problem: rays through the middle of triangles tell ray tests apart by rounding only. At a shared edge a
-// test
-//   that decides for each of the two triangles by other roundings lets rays through a closed surface.
+//   test that decides for each of the two triangles by other roundings lets rays through a closed surface.
 // Method: draw a face, and a point of one of its edges or one of its corners; look at it from the camera or,
 //   where it is hidden, on the silhouette or seen edge-on from there, from above or below it, up to four
-//   triangle sizes off. A
-//   target will do if the faces at the edge lie on both sides of it as seen from the ray's origin; at a
-//   vertex this must hold of every edge there, so that the faces surround it. Then each ray moved a little
-//   sideways hits a face, too, and a miss is false beyond doubt. Corners at equal positions count as one.
+//   triangle sizes off. A target will do if the faces at the edge lie on both sides of it as seen from the
+//   ray's origin; at a vertex this must hold of every edge there, so that the faces surround it. Then each
+//   ray moved a little sideways hits a face, too, and a miss is false beyond doubt. Corners at equal
+//   positions count as one.
 // Exactness: the direction is the float nearest to target - origin, not normalised, and t = 1 is the target;
-// of
-//   a few points of the edge the one is taken whose ray, so rounded, passes nearest to it.
+//   of a few points of the edge the one is taken whose ray, so rounded, passes nearest to it.
 // Cost: O(n log n) to find the faces around each vertex, then a few rays through a tree each.
-// Known weakness: where nothing drawn will do (soups, open strips), the ray goes to whatever was drawn first,
-// a
-//   rim most often: any answer is right there.
+// Known weakness: where nothing drawn will do (soups, open strips), the ray goes to whatever was drawn
+//   first, a rim most often: any answer is right there.
 #pragma once
 
 #include <functional>
