@@ -165,14 +165,16 @@ def time(row):
     return row.query_ns
 
 
-def by_cloud_and_size(verdict):
-    """{(cloud, size): {contest: (KD/BVH of times, KD/BVH of leaves, BSP/BVH of times, cells)}}, geometric means."""
+def by_cloud(verdict):
+    """{(cloud, size, place): {contest: (KD/BVH of times, of leaves, BSP/BVH of times, cells)}}, geometric means."""
     found = defaultdict(lambda: defaultdict(list))
     for cell in verdict.cells:
-        found[cell.dataset, cell.size][cell.contest].append(cell)
+        found[cell.dataset, cell.size, cell.place][cell.contest].append(cell)
 
     def summed(cells):
         ratios = lambda a, b, f: mean([r for c in cells if (r := c.against(a, b, f))])
         return ratios("kd", "bvh", time), ratios("kd", "bvh", leaves), ratios("bsp", "bvh", time), len(cells)
 
-    return {key: {name: summed(cells) for name, cells in contests.items()} for key, contests in sorted(found.items())}
+    order = list(PLACES)
+    keys = sorted(found, key=lambda key: (*key[:2], order.index(key[2])))
+    return {key: {name: summed(cells) for name, cells in found[key].items()} for key in keys}

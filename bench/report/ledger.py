@@ -42,13 +42,14 @@ def _groups(v):
 
 
 def _clouds(v):
-    """Times and leaf visits by cloud and size: visits tell what a structure saves, times what that is worth."""
+    """Times and leaf visits by cloud, size and place: visits tell what a structure saves, times what that is worth."""
     lines = []
-    for (dataset, size), contests in claims.by_cloud_and_size(v).items():
+    for (dataset, size, place), contests in claims.by_cloud(v).items():
         times, leaves, bsp, _ = contests.get("binary", (None,) * 4)
         best, _, _, _ = contests.get("best", (None,) * 4)
-        lines.append((dataset, count(size), figure(times), figure(leaves), figure(bsp), figure(best)))
-    heads = ("cloud", "points", "KD/BVH, time, binary", "KD/BVH, leaves visited, binary", "BSP/BVH, time, binary",
+        figures = map(figure, (times, leaves, bsp, best))
+        lines.append((dataset, count(size), claims.PLACES[place], *figures))
+    heads = ("cloud", "points", "queries", "KD/BVH, time, binary", "KD/BVH, leaves visited, binary", "BSP/BVH, time, binary",
              "KD/BVH, time, best of each")  # fmt: skip
     return _table(heads, lines)
 

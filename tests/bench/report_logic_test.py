@@ -311,11 +311,11 @@ class Claims(unittest.TestCase):
         self.assertEqual(self.verdict("S1", self.trees(100, 200, datasets=UNEVEN)).word, claims.NOT_RUN)
         self.assertEqual(self.verdict("S1", self.trees(100, 200, sets=("box_self",))).word, claims.NOT_RUN)
 
-    def test_figures_by_cloud_and_size_hold_visits_beside_times(self):
+    def test_figures_by_cloud_hold_visits_beside_times(self):
         entries = self.trees(100, 200, bsp=400, sizes=(1000, 10_000), sets=("knn8_self",))
         entries = [e | {"knn_leaves": {"kd": 6.0, "bvh": 2.0, "bsp": 9.0}[e["family"]]} for e in entries]
         v = self.verdict("S1", entries)
-        found = claims.by_cloud_and_size(v)
+        found = claims.by_cloud(v)
         self.assertEqual(len(found), 6)
         for contests in found.values():
             for times, visits, bsp, cells in contests.values():
