@@ -151,6 +151,41 @@ class PointQueries {
       }
     });
   }
+  /// The k nearest others of each point itself: those of the point with id i are out[i·k] … out[i·k + k - 1],
+  /// padded like a batch's; rows of points that were dropped stay empty. Asked in the order in which the tree
+  /// keeps the points, so that neighbours share the caches.
+  void nearest_of_all(std::size_t k, std::span<Neighbor<T>> out, int threads = 1) const {
+    check_k(k);
+    const std::size_t rows = size() + stats_.dropped;
+    if (rows > 0 && out.size() / k < rows)
+      throw InvalidInput("out holds " + std::to_string(out.size()) + " answers; it must hold " +
+                         std::to_string(k) + " for each of " + std::to_string(rows) + " points");
+    std::ranges::fill(out.first(rows * k), Neighbor<T>{});
+    parallel_ranges(size(), threads, [&](std::size_t begin, std::size_t end) {
+      std::vector<Point> points;
+      std::vector<Id> ids;
+      std::vector<Neighbor<T>> found;
+      for (std::size_t next; begin < end; begin = next) {
+        next = std::min(end, begin + batch_chunk);
+        points.clear(), ids.clear();
+        for (std::size_t i = begin; i < next; ++i) {
+          const PointEntry<T, D> e = tree().stored(i);
+          points.push_back(e.point * set_.inverse_scale), ids.push_back(e.id);
+        }
+        found.resize(points.size() * (k + 1));
+        nearest(points, k + 1, std::span(found));
+        for (std::size_t i = 0; i < points.size(); ++i) {
+          const auto row = std::span(found).subspan(i * (k + 1), k + 1);
+          // Itself is among them unless k + 1 others at the same place have lower ids.
+          const auto itself =
+              std::find_if(row.begin(), row.end() - 1, [&](const auto& n) { return n.id == ids[i]; });
+          auto to = out.begin() + static_cast<std::ptrdiff_t>(ids[i] * k);
+          to = std::copy(row.begin(), itself, to);
+          std::copy(itself + 1, row.end(), to);
+        }
+      }
+    });
+  }
   void within(std::span<const Point> queries, T radius, Lists<Neighbor<T>>& out, int threads = 1) const {
     check_radius(radius);
     check_queries(queries);
@@ -186,6 +221,8 @@ class PointQueries {
 
  private:
   const Tree& tree() const { return static_cast<const Tree&>(*this); }
+  /// The i-th point as the tree keeps it, in scaled coordinates.
+  PointEntry<T, D> stored(std::size_t i) const { return set_.entries[i]; }
 
   template <class W>
   std::size_t find_nearest(const Point& q, const NearestOptions<T>& options, std::span<Neighbor<T>> out,

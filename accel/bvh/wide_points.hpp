@@ -67,6 +67,13 @@ class Bvh<Points<float, D>, Wide> : public PointQueries<Bvh<Points<float, D>, Wi
 
   template <class F>
   static void with_collector(std::size_t k, F&& f);
+  PointEntry<float, D> stored(std::size_t i) const {
+    const wide::Leaf<D>& leaf = tree_.leaves[i / wide::lanes];
+    PointEntry<float, D> e;
+    for (int a = 0; a < D; ++a) e.point[a] = leaf.x[a][i % wide::lanes];
+    e.id = leaf.id[i % wide::lanes];
+    return e;
+  }
   Box leaf_box(std::size_t leaf) const;
   void count();
 
@@ -206,10 +213,8 @@ void Bvh<Points<float, D>, Wide>::search_within(const Point& p, float limit, std
   if (std::isinf(limit)) {  // all there are: distances that overflow, too, but not the absent points
     work.node(), work.primitive(this->size());
     for (std::size_t i = 0; i < this->size(); ++i) {
-      const wide::Leaf<D>& leaf = tree_.leaves[i / wide::lanes];
-      Point x;
-      for (int a = 0; a < D; ++a) x[a] = leaf.x[a][i % wide::lanes];
-      *found.room() = {squared_distance(x, p), leaf.id[i % wide::lanes]};
+      const PointEntry<float, D> e = stored(i);
+      *found.room() = {squared_distance(e.point, p), e.id};
       found.taken(1);
     }
     return;
@@ -264,9 +269,7 @@ void Bvh<Points<float, D>, Wide>::visit_near(const Point& p, Visitor& visitor, W
         const wide::Leaf<D>& leaf = tree_.leaves[number];
         work.primitive(wide::lanes);
         for (std::size_t i = 0; i < wide::lanes && leaf.id[i] != no_id; ++i) {
-          PointEntry<float, D> e;
-          for (int a = 0; a < D; ++a) e.point[a] = leaf.x[a][i];
-          e.id = leaf.id[i];
+          const PointEntry<float, D> e = stored(number * wide::lanes + i);
           visitor.offer(e, squared_distance(e.point, p));
         }
       },

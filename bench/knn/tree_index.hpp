@@ -32,28 +32,31 @@ class TreeIndex final : public Index {
 
   void nearest(std::span<const Vec3f> queries, std::size_t k, const Knobs& knobs, int threads,
                std::span<Id> ids) const override {
-    thread_local std::vector<Neighbor> found;
-    found.resize(ids.size());
     const auto options = options_of(knobs);
-    if (one_by_one(knobs))
-      accel::parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
+    const bool batch = !one_by_one(knobs);
+    in_chunks(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
+      thread_local std::vector<Neighbor> found;
+      found.resize((end - begin) * k);
+      if (batch)
+        tree_.nearest(queries.subspan(begin, end - begin), k, options, std::span<Neighbor>(found));
+      else
         for (std::size_t i = begin; i < end; ++i) {
-          const std::span<Neighbor> row(&found[i * k], k);
+          const std::span<Neighbor> row(&found[(i - begin) * k], k);
           for (std::size_t n = tree_.nearest(queries[i], k, options, row); n < k; ++n) row[n] = {};
         }
-      });
-    else
-      tree_.nearest(queries, k, options, std::span<Neighbor>(found), threads);
-    for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = found[i].id;
+      for (std::size_t i = 0; i < found.size(); ++i) ids[begin * k + i] = found[i].id;
+    });
   }
 
   void within(std::span<const Vec3f> queries, float radius, const Knobs&, int threads,
               Lists<Id>& ids) const override {
-    thread_local Lists<Neighbor> found;
-    tree_.within(queries, radius, found, threads);
-    ids.offsets = found.offsets;
-    ids.items.resize(found.items.size());
-    for (std::size_t i = 0; i < found.items.size(); ++i) ids.items[i] = found.items[i].id;
+    accel::parallel_lists(queries.size(), threads, ids, [&](std::size_t i, std::vector<Id>& list) {
+      thread_local std::vector<Neighbor> found;
+      tree_.within(queries[i], radius, found);
+      const std::size_t before = list.size();
+      list.resize(before + found.size());
+      for (std::size_t j = 0; j < found.size(); ++j) list[before + j] = found[j].id;
+    });
   }
 
   void inside(std::span<const Box3f> boxes, const Knobs&, int threads, Lists<Id>& ids) const override {
@@ -85,6 +88,15 @@ class TreeIndex final : public Index {
   }
 
  private:
+  /// Answers are kept as ids alone, as the peers' are; in chunks, so that the distances never leave the
+  /// cache.
+  template <class F>
+  static void in_chunks(std::size_t n, int threads, F&& f) {
+    accel::parallel_ranges(n, threads, [&](std::size_t begin, std::size_t end) {
+      for (; begin < end; begin += accel::batch_chunk) f(begin, std::min(begin + accel::batch_chunk, end));
+    });
+  }
+
   Tree tree_;
 };
 

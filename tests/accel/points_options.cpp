@@ -141,6 +141,30 @@ TYPED_TEST(PointOptions, ListsCountsAndSquaredRadiiAgree) {
   }
 }
 
+// Each point's own neighbours are those of a query at it, itself left out.
+TYPED_TEST(PointOptions, NeighboursOfAllLeaveThePointItselfOut) {
+  for (const auto& cloud : ordinary_clouds())
+    for (const int threads : {1, 2}) {
+      SCOPED_TRACE(cloud.name);
+      const TypeParam tree(cloud.points);
+      for (const std::size_t k : {1, 6}) {
+        std::vector<Found> all(k * cloud.points.size()), row(k + 1);
+        tree.nearest_of_all(k, all, threads);
+        for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+          const std::size_t n = tree.nearest(cloud.points[i], k + 1, row);
+          std::vector<Found> others;
+          for (std::size_t j = 0; j < n; ++j)
+            if (row[j].id != i) others.push_back(row[j]);
+          others.resize(k);  // k + 1 equal points of lower id: the last is one too many
+          for (std::size_t j = 0; j < k; ++j) ASSERT_EQ(all[i * k + j], others[j]) << i;
+        }
+      }
+    }
+  const TypeParam tree(uniform_cloud<float, 3>(10));
+  std::vector<Found> small(9);
+  EXPECT_THROW(tree.nearest_of_all(1, small), InvalidInput);
+}
+
 TYPED_TEST(PointOptions, SenselessLimitsAreRefused) {
   const TypeParam tree(uniform_cloud<float, 3>(50));
   std::vector<Found> out(3);
