@@ -66,7 +66,7 @@ TEST_F(KnnProgram, SmokeProfileWritesValidRowsAndNoneOfOursIsWrong) {
       EXPECT_GT(row["work_primitives"].get<double>(), 0) << cell;
     }
   }
-  EXPECT_EQ(methods.size(), 10u);
+  EXPECT_EQ(methods.size(), 12u);
   EXPECT_EQ(sets, (std::set<std::string>{"box_self", "knn1_off", "knn1_self", "knn32_self", "knn8_off",
                                          "knn8_self", "radius_self"}));
 }

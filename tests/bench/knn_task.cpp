@@ -28,9 +28,9 @@ TEST(KnnTask, EveryMethodIsBuiltOrNamedAsNotBuilt) {
     names.insert(method);
     EXPECT_FALSE(package.empty()) << method;
   }
-  EXPECT_EQ(names,
-            (std::multiset<std::string>{"brute", "bsp_tree", "bvh", "cgal_kdtree", "flann_forest",
-                                        "flann_single", "kd_tree", "nanoflann", "pcl_kdtree", "pcl_octree"}));
+  EXPECT_EQ(names, (std::multiset<std::string>{"brute", "bsp_spill", "bsp_tree", "bvh", "bvh_wide",
+                                               "cgal_kdtree", "flann_forest", "flann_single", "kd_tree",
+                                               "nanoflann", "pcl_kdtree", "pcl_octree"}));
 }
 
 TEST(KnnTask, KnobsAreFlatObjectsAndPeersNameTheirVersion) {
@@ -187,7 +187,7 @@ TEST(KnnTask, DrawsEachOfOurTreesAndIndexesTheDrawings) {
     EXPECT_NE(svg.find("<circle "), std::string::npos);
     EXPECT_EQ(svg.find("nan"), std::string::npos);
   }
-  EXPECT_EQ(drawn, (std::set<std::string>{"kd_tree", "bsp_tree", "bvh"}));
+  EXPECT_EQ(drawn, (std::set<std::string>{"kd_tree", "bsp_tree", "bsp_spill", "bvh", "bvh_wide"}));
   std::filesystem::remove_all(folder);
 }
 
