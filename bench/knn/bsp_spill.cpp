@@ -11,9 +11,9 @@ using Tree = accel::SpillTree<accel::Points<float, 3>>;
     Registry<Method>::instance().add({.info = {.name = "bsp_spill",
                                                .family = "bsp",
                                                .claim = Claim::approximate,
-                                               .build_knobs = {{{"leaf_size", 16}, {"tau", 1.0}},
-                                                               {{"leaf_size", 16}, {"tau", 0.5}},
-                                                               {{"leaf_size", 16}, {"tau", 2.0}}},
+                                               .build_knobs = {{{"leaf_size", 16}, {"tau", 2.0}},
+                                                               {{"leaf_size", 16}, {"tau", 1.0}},
+                                                               {{"leaf_size", 16}, {"tau", 0.5}}},
                                                .ladder = 13,
                                                .sweep_up_to_n = 100'000},
                                       .build = [](const Input& input, const Knobs& knobs) {
