@@ -1,5 +1,6 @@
-// BSP trees: over points and over triangles.
+// BSP trees: over points, exact and with overlaps (approximate), and over triangles.
 #pragma once
 
 #include "accel/bsp_tree/points.hpp"
+#include "accel/bsp_tree/spill_points.hpp"
 #include "accel/bsp_tree/triangles.hpp"

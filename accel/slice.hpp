@@ -2,6 +2,8 @@
 // themselves are the picture, and axis and offset are ignored.
 #pragma once
 
+#include <cmath>
+#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,6 +13,8 @@
 namespace treeline::accel {
 
 using Outline = std::vector<geometry::Vec2d>;
+template <class T, int D>
+struct Ball;  // bvh/ball.hpp
 
 /// The part of a convex outline where normal · x <= offset (Sutherland and Hodgman 1974); may be empty.
 inline Outline clipped(const Outline& outline, const geometry::Vec2d& normal, double offset) {
@@ -62,6 +66,33 @@ struct SlicePlane {
   Outline outline(const geometry::Box<T, D>& box) const {
     const double u0 = box.low[u], u1 = box.high[u], v0 = box.low[v], v1 = box.high[v];
     return {{u0, v0}, {u1, v0}, {u1, v1}, {u0, v1}};
+  }
+
+  template <class T>
+  bool cuts(const Ball<T, D>& ball) const {
+    return radius_within(ball) > 0;
+  }
+  /// A polygon in the circle. A ball without bounds is not cut.
+  template <class T>
+  Outline outline(const Ball<T, D>& ball) const {
+    constexpr int corners = 32;
+    const double radius = radius_within(ball);
+    Outline circle;
+    for (int i = 0; i < corners; ++i) {
+      const double angle = 2 * std::numbers::pi * i / corners;
+      circle.push_back({static_cast<double>(ball.centre[u]) + radius * std::cos(angle),
+                        static_cast<double>(ball.centre[v]) + radius * std::sin(angle)});
+    }
+    return circle;
+  }
+
+ private:
+  template <class T>
+  double radius_within(const Ball<T, D>& ball) const {
+    const double radius = ball.radius;
+    const double away = D == 3 ? std::abs(static_cast<double>(ball.centre[axis]) - offset) : 0.0;
+    if (!(away < radius) || std::isinf(radius)) return 0;
+    return std::sqrt(radius - away) * std::sqrt(radius + away);
   }
 };
 

@@ -29,6 +29,15 @@ constexpr T plane_bound(int dimension) {
   return gamma<T>(2 * dimension + 8);
 }
 
+/// Slack of a point's distance bound from a ball, relative: the computed distance of the ball's centre and its
+/// radius are off by D + 2 roundings of a squared distance and D of squares that lose digits to underflow, both
+/// halved by the root, 1 of the root and 2 to apply the slack, and must not be by more; the bound itself by
+/// 3 more and half of one to square, and the distance compared by D + 1. D + 6 covers the larger sum.
+template <class T>
+constexpr T ball_bound(int dimension) {
+  return gamma<T>(dimension + 6);
+}
+
 /// How far a hit's point on the ray may be from its point on the triangle, along each axis, relative to the
 /// reach: the largest distance along an axis from the ray's origin to the bounds of all triangles. The ray
 /// tests themselves displace a triangle by up to 16 u of the reach (slab_padding along two axes); computing

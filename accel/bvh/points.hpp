@@ -1,16 +1,18 @@
-// Bounding volume hierarchy over points: an inner node holds the tight boxes of its two children.
+// Bounding volume hierarchy over points: an inner node holds tight bounds of its two children.
 //
-// Split rules: rank, the median along the widest side of the box (balanced, full leaves); or the binned
-// surface area heuristic (Wald 2007), which follows the shape of uneven clouds. In a plane perimeters take
-// the place of areas, and beyond three dimensions the sum of the sides. Cost: O(n log n) to build, O(log n +
-// k) expected per query in low dimension, 16 + 64/leaf bytes a point (float, 3-D). Known weakness: a scalar
-// traversal measures two boxes a step, where a KD tree subtracts one number: slower where points fill space
-// evenly.
+// Bounds: boxes, or balls (Omohundro 1989). Split rules: rank, the median along the widest side of the box
+// (balanced, full leaves); or the binned surface area heuristic (Wald 2007), which follows the shape of
+// uneven clouds. In a plane perimeters take the place of areas, and beyond three dimensions the sum of the
+// sides. Cost: O(n log n) to build, O(log n + k) expected per query in low dimension, 16 + 64/fill bytes a
+// point with boxes, 16 + 48/fill with balls (float, 3-D; fill is the mean count of a leaf). Known weakness: a
+// scalar traversal measures two bounds a step, where a KD tree subtracts one number: slower where points fill
+// space evenly. Balls bound worse than boxes wherever points lie flat, and take a square root each.
 #pragma once
 
 #include <array>
 #include <optional>
 
+#include "accel/bvh/ball.hpp"
 #include "accel/point_build.hpp"
 #include "accel/point_queries.hpp"
 #include "accel/slice.hpp"
@@ -19,6 +21,7 @@ namespace treeline::accel {
 
 struct BvhPointOptions : BuildOptions {
   enum class Split { rank, sah } split = Split::rank;
+  enum class Bounds { box, ball } bounds = Bounds::box;
 };
 
 template <class T, int D>
@@ -32,7 +35,8 @@ class Bvh<Points<T, D>> : public PointQueries<Bvh<Points<T, D>>, T, D> {
 
   explicit Bvh(std::span<const Point> points, Options options = {});
 
-  /// The leaves' boxes; they do not overlap inside, nor do they cover the gaps between.
+  /// The leaves' bounds, which do not cover the gaps between. Boxes do not overlap inside; balls do, and
+  /// reach beyond the cloud's box.
   std::vector<SliceCell> slice(int axis, double offset) const;
 
  private:
@@ -49,20 +53,37 @@ class Bvh<Points<T, D>> : public PointQueries<Bvh<Points<T, D>>, T, D> {
     bool leaf() const { return count > 0; }
     PointLeaf points() const { return {first, count, coincident == 1}; }
   };
-  struct Node {  // one cache line for float in 3-D
-    Box boxes[2];
+  template <class Bound>
+  struct Node {  // with boxes one cache line for float in 3-D
+    Bound bounds[2];
     Child children[2];
   };
+  template <class Bound>
+  using Nodes = std::vector<Node<Bound>>;
 
-  Child build(std::size_t first, std::size_t last, const Box& box, std::size_t depth, const Options& options);
+  template <class Bound>
+  Child build(Nodes<Bound>& nodes, std::size_t first, std::size_t last, const Box& box, std::size_t depth,
+              const Options& options);
   std::size_t sah_cut(std::size_t first, std::size_t last, const Box& box);
 
+  bool balls() const { return !balls_.empty(); }
   template <class Visitor, class W>
-  void visit_near(const Point& q, Visitor& visitor, W& work) const;
+  void visit_near(const Point& q, Visitor& visitor, W& work) const {
+    balls() ? visit_near(balls_, q, visitor, work) : visit_near(boxes_, q, visitor, work);
+  }
   template <class Leaf, class W>
-  void visit_box(const Box& box, Leaf&& leaf, W& work) const;
+  void visit_box(const Box& box, Leaf&& leaf, W& work) const {
+    balls() ? visit_box(balls_, box, leaf, work) : visit_box(boxes_, box, leaf, work);
+  }
+  template <class Bound, class Visitor, class W>
+  void visit_near(const Nodes<Bound>& nodes, const Point& q, Visitor& visitor, W& work) const;
+  template <class Bound, class Leaf, class W>
+  void visit_box(const Nodes<Bound>& nodes, const Box& box, Leaf&& leaf, W& work) const;
+  template <class Bound>
+  void add_cells(const Nodes<Bound>& nodes, const SlicePlane<D>& plane, std::vector<SliceCell>& cells) const;
 
-  std::vector<Node> nodes_;
+  Nodes<Box> boxes_;  // one of the two is empty
+  Nodes<Ball<T, D>> balls_;
   Child root_{};
 };
 
@@ -72,19 +93,24 @@ template <class T, int D>
 Bvh<Points<T, D>>::Bvh(std::span<const Point> points, Options options) : Base(points, options) {
   const std::size_t n = set_.entries.size();
   if (n > 0) {
-    nodes_.reserve(2 * (n / static_cast<std::size_t>(options.leaf_size)));
-    root_ = build(0, n, set_.box, 0, options);
-    nodes_.shrink_to_fit();
+    const auto grow = [&](auto& nodes) {
+      nodes.reserve(2 * (n / static_cast<std::size_t>(options.leaf_size)));
+      root_ = build(nodes, 0, n, set_.box, 0, options);
+      nodes.shrink_to_fit();
+    };
+    options.bounds == Options::Bounds::ball ? grow(balls_) : grow(boxes_);
   }
-  stats_.bytes = sizeof(*this) + set_.bytes() + nodes_.capacity() * sizeof(Node);
+  stats_.bytes = sizeof(*this) + set_.bytes() + boxes_.capacity() * sizeof(Node<Box>) +
+                 balls_.capacity() * sizeof(Node<Ball<T, D>>);
 }
 
 template <class T, int D>
-auto Bvh<Points<T, D>>::build(std::size_t first, std::size_t last, const Box& box, std::size_t depth,
-                              const Options& options) -> Child {
+template <class Bound>
+auto Bvh<Points<T, D>>::build(Nodes<Bound>& nodes, std::size_t first, std::size_t last, const Box& box,
+                              std::size_t depth, const Options& options) -> Child {
   const std::size_t count = last - first;
   const bool coincident = box.low == box.high;
-  const double share = line_share(box, set_.box);
+  const double share = std::is_same_v<Bound, Box> ? line_share(box, set_.box) : 0;
   if (coincident || count <= static_cast<std::size_t>(options.leaf_size)) {
     if (coincident) sort_by_id(set_, first, last);
     add_leaf(stats_, count, depth, share);
@@ -95,12 +121,17 @@ auto Bvh<Points<T, D>>::build(std::size_t first, std::size_t last, const Box& bo
                                  ? sah_cut(first, last, box)
                                  : halve(set_, first, last, box.widest_axis()).middle;
   add_inner(stats_, share);
-  const std::size_t index = nodes_.size();
-  nodes_.push_back({{box_of(set_, first, middle), box_of(set_, middle, last)}, {}});
+  const std::size_t index = nodes.size();
+  nodes.emplace_back();
   for (int side = 0; side < 2; ++side) {
-    const Box part = nodes_[index].boxes[side];
-    const Child child = build(side ? middle : first, side ? last : middle, part, depth + 1, options);
-    nodes_[index].children[side] = child;
+    const std::size_t from = side ? middle : first, to = side ? last : middle;
+    const Box part = box_of(set_, from, to);
+    if constexpr (std::is_same_v<Bound, Box>)
+      nodes[index].bounds[side] = part;
+    else
+      nodes[index].bounds[side] = ball_of(set_, from, to, part);
+    const Child child = build(nodes, from, to, part, depth + 1, options);
+    nodes[index].children[side] = child;
   }
   return {static_cast<std::uint32_t>(index), 0, 0};
 }
@@ -154,8 +185,9 @@ std::size_t Bvh<Points<T, D>>::sah_cut(std::size_t first, std::size_t last, cons
 // ---- queries -------------------------------------------------------------------------------------------
 
 template <class T, int D>
-template <class Visitor, class W>
-void Bvh<Points<T, D>>::visit_near(const Point& q, Visitor& visitor, W& work) const {
+template <class Bound, class Visitor, class W>
+void Bvh<Points<T, D>>::visit_near(const Nodes<Bound>& nodes, const Point& q, Visitor& visitor,
+                                   W& work) const {
   struct Far {
     T bound;
     Child child;
@@ -169,9 +201,9 @@ void Bvh<Points<T, D>>::visit_near(const Point& q, Visitor& visitor, W& work) co
   while (true) {
     work.node();
     while (!here.child.leaf()) {
-      const Node& node = nodes_[here.child.first];
-      const T left = squared_distance(node.boxes[0], q), right = squared_distance(node.boxes[1], q);
-      const bool swap = right < left;
+      const Node<Bound>& node = nodes[here.child.first];
+      const T left = squared_distance(node.bounds[0], q), right = squared_distance(node.bounds[1], q);
+      const bool swap = second_first(node.bounds, q, left, right);
       stack[waiting] = {swap ? left : right, node.children[swap ? 0 : 1]};
       here = {swap ? right : left, node.children[swap ? 1 : 0]};
       if (stack[waiting].bound <= visitor.limit()) ++waiting;
@@ -187,8 +219,8 @@ void Bvh<Points<T, D>>::visit_near(const Point& q, Visitor& visitor, W& work) co
 }
 
 template <class T, int D>
-template <class Leaf, class W>
-void Bvh<Points<T, D>>::visit_box(const Box& box, Leaf&& leaf, W& work) const {
+template <class Bound, class Leaf, class W>
+void Bvh<Points<T, D>>::visit_box(const Nodes<Bound>& nodes, const Box& box, Leaf&& leaf, W& work) const {
   Child stack[max_depth];
   int waiting = 0;
   Child here = root_;
@@ -197,8 +229,8 @@ void Bvh<Points<T, D>>::visit_box(const Box& box, Leaf&& leaf, W& work) const {
     if (here.leaf()) {
       leaf(here.points());
     } else {
-      const Node& node = nodes_[here.first];
-      const bool left = node.boxes[0].overlaps(box), right = node.boxes[1].overlaps(box);
+      const Node<Bound>& node = nodes[here.first];
+      const bool left = node.bounds[0].overlaps(box), right = node.bounds[1].overlaps(box);
       if (left && right) stack[waiting++] = node.children[1];
       if (left || right) {
         here = node.children[left ? 0 : 1];
@@ -216,17 +248,24 @@ template <class T, int D>
 std::vector<SliceCell> Bvh<Points<T, D>>::slice(int axis, double offset) const {
   const SlicePlane<D> plane(axis, offset * static_cast<double>(set_.scale));
   std::vector<SliceCell> cells;
-  const auto visit = [&](const auto& self, const Child& child, const Box& box, std::size_t depth) -> void {
-    if (!plane.cuts(box)) return;
+  balls() ? add_cells(balls_, plane, cells) : add_cells(boxes_, plane, cells);
+  return scaled(std::move(cells), static_cast<double>(set_.inverse_scale));
+}
+
+template <class T, int D>
+template <class Bound>
+void Bvh<Points<T, D>>::add_cells(const Nodes<Bound>& nodes, const SlicePlane<D>& plane,
+                                  std::vector<SliceCell>& cells) const {
+  const auto visit = [&](const auto& self, const Child& child, const auto& bound, std::size_t depth) -> void {
+    if (!plane.cuts(bound)) return;
     if (child.leaf()) {
-      cells.push_back({plane.outline(box), depth, child.count});
+      cells.push_back({plane.outline(bound), depth, child.count});
       return;
     }
-    const Node& node = nodes_[child.first];
-    for (int side = 0; side < 2; ++side) self(self, node.children[side], node.boxes[side], depth + 1);
+    const Node<Bound>& node = nodes[child.first];
+    for (int side = 0; side < 2; ++side) self(self, node.children[side], node.bounds[side], depth + 1);
   };
   visit(visit, root_, set_.box, 0);
-  return scaled(std::move(cells), static_cast<double>(set_.inverse_scale));
 }
 
 static_assert(NeighborIndex<Bvh<Points<float, 3>>> && Inspectable<Bvh<Points<float, 3>>>);

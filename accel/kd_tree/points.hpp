@@ -2,11 +2,14 @@
 //
 // Split rules: sliding midpoint (Maneewongvatana and Mount 1999), which keeps cells fat and is fast wherever
 // points are spread evenly; or the median along the widest side of the points' box (Friedman, Bentley and
-// Finkel 1977), which balances. A query descends to its own cell first and returns to the others while their
-// cells are near enough, by the distance per axis to the cuts between (Arya and Mount 1993). Cost: O(n log n)
-// to build, O(log n + k) expected per query in low dimension, 16 + 16/leaf bytes a point (float, 3-D). Known
-// weakness: cuts alone bound badly where points fill little of their cells (surfaces seen from off the
-// surface): boxes do better there, see bvh/points.hpp.
+// Finkel 1977), which balances. A query descends to its own cell first and returns to the others while they
+// are near enough. Bounds: planes, the distance per axis to the cuts between (Arya and Mount 1993), which
+// cost no memory; or tight boxes, where a node keeps the box of its points, too, and is judged by it, as in a
+// BVH. Cost: O(n log n) to build, O(log n + k) expected per query in low dimension, 16 + 32/fill bytes a
+// point (float, 3-D; fill is the mean count of a leaf); boxes add 48/fill bytes and a second memory access a
+// node. Known weakness: planes bound badly where points fill little of their cells (surfaces seen from off
+// the surface), above all with median splits, whose cells are long: there a query visits hundreds of leaves
+// where boxes let it visit tens.
 #pragma once
 
 #include "accel/point_build.hpp"
@@ -17,6 +20,7 @@ namespace treeline::accel {
 
 struct KdPointOptions : BuildOptions {
   enum class Split { sliding_midpoint, median } split = Split::sliding_midpoint;
+  enum class Bounds { planes, tight_box } bounds = Bounds::planes;
 };
 
 template <class T, int D>
@@ -56,11 +60,22 @@ class KdTree<Points<T, D>> : public PointQueries<KdTree<Points<T, D>>, T, D> {
   AxisCut<T> midpoint_cut(std::size_t first, std::size_t last, const Box& cell, const Box& tight);
 
   template <class Visitor, class W>
-  void visit_near(const Point& q, Visitor& visitor, W& work) const;
+  void visit_near(const Point& q, Visitor& visitor, W& work) const {
+    if (nodes_.empty()) return;
+    if (boxes_.empty())
+      visit_by_planes(q, visitor, work);
+    else
+      visit_by_boxes(q, visitor, work);
+  }
+  template <class Visitor, class W>
+  void visit_by_planes(const Point& q, Visitor& visitor, W& work) const;
+  template <class Visitor, class W>
+  void visit_by_boxes(const Point& q, Visitor& visitor, W& work) const;
   template <class Leaf, class W>
   void visit_box(const Box& box, Leaf&& leaf, W& work) const;
 
   std::vector<Node> nodes_;
+  std::vector<Box> boxes_;  // of each node's points; empty if planes bound
 };
 
 // ---- build ---------------------------------------------------------------------------------------------
@@ -70,10 +85,12 @@ KdTree<Points<T, D>>::KdTree(std::span<const Point> points, Options options) : B
   const std::size_t n = set_.entries.size();
   if (n > 0) {
     nodes_.reserve(2 * (n / static_cast<std::size_t>(options.leaf_size)) + 1);
+    if (options.bounds == Options::Bounds::tight_box) boxes_.reserve(nodes_.capacity());
     build(0, n, set_.box, 0, options);
-    nodes_.shrink_to_fit();
+    nodes_.shrink_to_fit(), boxes_.shrink_to_fit();
   }
-  stats_.bytes = sizeof(*this) + set_.bytes() + nodes_.capacity() * sizeof(Node);
+  stats_.bytes =
+      sizeof(*this) + set_.bytes() + nodes_.capacity() * sizeof(Node) + boxes_.capacity() * sizeof(Box);
 }
 
 template <class T, int D>
@@ -82,8 +99,10 @@ void KdTree<Points<T, D>>::build(std::size_t first, std::size_t last, Box cell, 
   const std::size_t count = last - first, index = nodes_.size();
   const Box tight = box_of(set_, first, last);
   const bool coincident = tight.low == tight.high;
-  const double share = line_share(cell, set_.box);
+  const bool boxed = options.bounds == Options::Bounds::tight_box;
+  const double share = line_share(boxed ? tight : cell, set_.box);
   nodes_.emplace_back();
+  if (boxed) boxes_.push_back(tight);
   if (coincident || count <= static_cast<std::size_t>(options.leaf_size)) {
     if (coincident) sort_by_id(set_, first, last);
     nodes_[index] = {T(0), coincident ? coincident_axis : leaf_axis, static_cast<std::uint32_t>(first),
@@ -129,7 +148,7 @@ AxisCut<T> KdTree<Points<T, D>>::midpoint_cut(std::size_t first, std::size_t las
 // old would round twice.
 template <class T, int D>
 template <class Visitor, class W>
-void KdTree<Points<T, D>>::visit_near(const Point& q, Visitor& visitor, W& work) const {
+void KdTree<Points<T, D>>::visit_by_planes(const Point& q, Visitor& visitor, W& work) const {
   struct Far {
     std::uint32_t node;
     T bound, offsets[D];
@@ -137,7 +156,6 @@ void KdTree<Points<T, D>>::visit_near(const Point& q, Visitor& visitor, W& work)
   Far stack[max_depth];
   int waiting = 0;
 
-  if (nodes_.empty()) return;
   Far here;
   here.node = 0;
   for (int a = 0; a < D; ++a) here.offsets[a] = interval_offset(set_.box.low[a], set_.box.high[a], q[a]);
@@ -166,6 +184,42 @@ void KdTree<Points<T, D>>::visit_near(const Point& q, Visitor& visitor, W& work)
   }
 }
 
+// A tight box lies within its cell on every axis, so that it bounds at least as well as the planes, as
+// computed, too: they only say where to go first between boxes equally near.
+template <class T, int D>
+template <class Visitor, class W>
+void KdTree<Points<T, D>>::visit_by_boxes(const Point& q, Visitor& visitor, W& work) const {
+  struct Far {
+    T bound;
+    std::uint32_t node;
+  };
+  Far stack[max_depth];
+  int waiting = 0;
+  Far here{squared_distance(boxes_[0], q), 0};
+  if (here.bound > visitor.limit()) return;
+  while (true) {
+    const Node* node = &nodes_[here.node];
+    work.node();
+    while (!node->leaf()) {
+      const std::uint32_t left = here.node + 1, right = node->first;
+      const T to_left = squared_distance(boxes_[left], q), to_right = squared_distance(boxes_[right], q);
+      const bool swap =
+          to_right < to_left || (to_right == to_left && q[static_cast<int>(node->axis)] > node->offset);
+      stack[waiting] = swap ? Far{to_left, left} : Far{to_right, right};
+      here = swap ? Far{to_right, right} : Far{to_left, left};
+      if (stack[waiting].bound <= visitor.limit()) ++waiting;
+      if (here.bound > visitor.limit()) break;
+      node = &nodes_[here.node];
+      work.node();
+    }
+    if (here.bound <= visitor.limit()) set_.offer(node->points(), q, visitor, work);
+    do {
+      if (waiting == 0) return;
+      here = stack[--waiting];
+    } while (here.bound > visitor.limit());
+  }
+}
+
 template <class T, int D>
 template <class Leaf, class W>
 void KdTree<Points<T, D>>::visit_box(const Box& box, Leaf&& leaf, W& work) const {
@@ -175,7 +229,9 @@ void KdTree<Points<T, D>>::visit_box(const Box& box, Leaf&& leaf, W& work) const
   while (true) {
     const Node& node = nodes_[index];
     work.node();
-    if (node.leaf()) {
+    if (!boxes_.empty() && !boxes_[index].overlaps(box)) {
+      // Nothing of it is inside, although its cell meets the box.
+    } else if (node.leaf()) {
       leaf(node.points());
     } else {
       const int axis = static_cast<int>(node.axis);

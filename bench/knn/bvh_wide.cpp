@@ -9,17 +9,20 @@ namespace {
 
 using Tree = accel::Bvh<accel::Points<float, 3>, accel::Wide>;
 
+template <bool drawn>
+std::unique_ptr<Index> build(const Input& input, const Knobs& knobs) {
+  Tree::Options options;
+  options.threads = input.threads;
+  return build_tree<Tree>(input, options, knobs, drawn);
+}
+
 bool add(const char* name, Claim claim, int ladder, std::vector<Knobs> query_knobs) {
   return Registry<Method>::instance().add({.info = {.name = name,
                                                     .family = "bvh",
                                                     .claim = claim,
                                                     .query_knobs = std::move(query_knobs),
                                                     .ladder = ladder},
-                                           .build = [](const Input& input, const Knobs& knobs) {
-                                             Tree::Options options;
-                                             options.threads = input.threads;
-                                             return build_tree<Tree>(input, options, knobs);
-                                           }});
+                                           .build = claim == Claim::exact ? build<true> : build<false>});
 }
 
 [[maybe_unused]] const bool registered =

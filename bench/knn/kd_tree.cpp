@@ -7,17 +7,22 @@ namespace {
 
 using Tree = accel::KdTree<accel::Points<float, 3>>;
 using Split = Tree::Options::Split;
+using Bounds = Tree::Options::Bounds;
 
 [[maybe_unused]] const bool registered = Registry<Method>::instance().add(
     {.info = {.name = "kd_tree",
               .family = "kd",
-              .build_knobs = {{{"leaf_size", 8}, {"split", "sliding_midpoint"}},
-                              {{"leaf_size", 16}, {"split", "sliding_midpoint"}},
-                              {{"leaf_size", 16}, {"split", "median"}}},
-              .ladder = 10},
+              .build_knobs = {{{"leaf_size", 16}, {"split", "sliding_midpoint"}, {"bounds", "tight_box"}},
+                              {{"leaf_size", 16}, {"split", "sliding_midpoint"}, {"bounds", "planes"}},
+                              {{"leaf_size", 16}, {"split", "median"}, {"bounds", "planes"}},
+                              {{"leaf_size", 16}, {"split", "median"}, {"bounds", "tight_box"}}},
+              .stress_builds = {0, 1},
+              .ladder = 10,
+              .sweep_up_to_n = 100'000},
      .build = [](const Input& input, const Knobs& knobs) {
        Tree::Options options;
        options.split = knobs.at("split") == "median" ? Split::median : Split::sliding_midpoint;
+       options.bounds = knobs.at("bounds") == "tight_box" ? Bounds::tight_box : Bounds::planes;
        return build_tree<Tree>(input, options, knobs);
      }});
 

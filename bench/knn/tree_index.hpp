@@ -28,7 +28,9 @@ class TreeIndex final : public Index {
   using Neighbor = accel::Neighbor<float>;
 
  public:
-  TreeIndex(const Input& input, const typename Tree::Options& options) : tree_(input.points, options) {}
+  /// drawn: false for a second method over a tree that another one shows already.
+  TreeIndex(const Input& input, const typename Tree::Options& options, bool drawn = true)
+      : tree_(input.points, options), drawn_(drawn) {}
 
   void nearest(std::span<const Vec3f> queries, std::size_t k, const Knobs& knobs, int threads,
                std::span<Id> ids) const override {
@@ -84,7 +86,7 @@ class TreeIndex final : public Index {
   }
 
   std::vector<accel::SliceCell> slice(int axis, double offset) const override {
-    return tree_.slice(axis, offset);
+    return drawn_ ? tree_.slice(axis, offset) : std::vector<accel::SliceCell>{};
   }
 
  private:
@@ -98,15 +100,17 @@ class TreeIndex final : public Index {
   }
 
   Tree tree_;
+  bool drawn_;
 };
 
 /// Points that are not finite are left out, as stats().dropped says: answers are right over the rest.
 template <class Tree>
-std::unique_ptr<Index> build_tree(const Input& input, typename Tree::Options options, const Knobs& knobs) {
+std::unique_ptr<Index> build_tree(const Input& input, typename Tree::Options options, const Knobs& knobs,
+                                  bool drawn = true) {
   options.non_finite = accel::NonFinite::drop;
   if constexpr (requires { options.leaf_size; })
     if (knobs.contains("leaf_size")) options.leaf_size = knobs.at("leaf_size").get<int>();
-  return std::make_unique<TreeIndex<Tree>>(input, options);
+  return std::make_unique<TreeIndex<Tree>>(input, options, drawn);
 }
 
 }  // namespace treeline::bench::knn

@@ -47,7 +47,7 @@ struct AnyTree {
 template <class T, int D>
 using Trees = std::vector<std::unique_ptr<AnyTree<T, D>>>;
 
-/// Brute force, then every tree with every split rule. For float and double in two and three dimensions.
+/// Brute force, then every exact tree with every split rule and bound. For float and double in two and three dimensions.
 template <class T, int D>
 Trees<T, D> all_trees(const Vecs<T, D>& points, int leaf_size = 8, NonFinite non_finite = NonFinite::refuse);
 

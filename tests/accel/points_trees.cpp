@@ -1,6 +1,7 @@
 // Every tree of points under every option, behind the face that the tests use.
 #include "accel/brute_force/points.hpp"
 #include "accel/bsp_tree/points.hpp"
+#include "accel/bsp_tree/spill_points.hpp"
 #include "accel/bvh/points.hpp"
 #include "accel/bvh/wide_points.hpp"
 #include "accel/kd_tree/points.hpp"
@@ -60,18 +61,28 @@ Trees<T, D> all_trees(const Vecs<T, D>& points, int leaf_size, NonFinite non_fin
     trees.push_back(std::make_unique<Wrapped<Tree, T, D>>(name, points, options));
   };
   add(std::type_identity<BruteForce<P>>{}, "brute force", BuildOptions{});
-  KdPointOptions kd;
-  add(std::type_identity<KdTree<P>>{}, "kd sliding midpoint", kd);
-  kd.split = KdPointOptions::Split::median;
-  add(std::type_identity<KdTree<P>>{}, "kd median", kd);
+  using Kd = KdPointOptions;
+  add(std::type_identity<KdTree<P>>{}, "kd sliding midpoint", Kd{});
+  add(std::type_identity<KdTree<P>>{}, "kd median", Kd{{}, Kd::Split::median});
+  add(std::type_identity<KdTree<P>>{}, "kd sliding midpoint, boxes",
+      Kd{{}, Kd::Split::sliding_midpoint, Kd::Bounds::tight_box});
+  add(std::type_identity<KdTree<P>>{}, "kd median, boxes", Kd{{}, Kd::Split::median, Kd::Bounds::tight_box});
   BspPointOptions bsp;
   add(std::type_identity<BspTree<P>>{}, "bsp principal axis", bsp);
+  bsp.bounds = BspPointOptions::Bounds::box_and_plane;
+  add(std::type_identity<BspTree<P>>{}, "bsp principal axis, boxes", bsp);
   bsp.split = BspPointOptions::Split::random_projection;
+  add(std::type_identity<BspTree<P>>{}, "bsp random projection, boxes", bsp);
+  bsp.bounds = BspPointOptions::Bounds::planes;
   add(std::type_identity<BspTree<P>>{}, "bsp random projection", bsp);
-  BvhPointOptions bvh;
-  add(std::type_identity<Bvh<P>>{}, "bvh rank", bvh);
-  bvh.split = BvhPointOptions::Split::sah;
-  add(std::type_identity<Bvh<P>>{}, "bvh sah", bvh);
+  SpillPointOptions spill;
+  spill.search = SpillPointOptions::Search::backtracking;
+  add(std::type_identity<SpillTree<P>>{}, "bsp spill with backtracking", spill);
+  using Bv = BvhPointOptions;
+  add(std::type_identity<Bvh<P>>{}, "bvh rank", Bv{});
+  add(std::type_identity<Bvh<P>>{}, "bvh sah", Bv{{}, Bv::Split::sah});
+  add(std::type_identity<Bvh<P>>{}, "bvh rank, balls", Bv{{}, Bv::Split::rank, Bv::Bounds::ball});
+  add(std::type_identity<Bvh<P>>{}, "bvh sah, balls", Bv{{}, Bv::Split::sah, Bv::Bounds::ball});
   if constexpr (std::is_same_v<T, float>) {
     WidePointOptions wide;
     add(std::type_identity<Bvh<P, accel::Wide>>{}, "bvh wide", wide);

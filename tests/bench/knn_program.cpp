@@ -66,7 +66,7 @@ TEST_F(KnnProgram, SmokeProfileWritesValidRowsAndNoneOfOursIsWrong) {
       EXPECT_GT(row["work_primitives"].get<double>(), 0) << cell;
     }
   }
-  EXPECT_EQ(methods.size(), 11u);
+  EXPECT_EQ(methods.size(), 15u);
   EXPECT_EQ(sets, (std::set<std::string>{"box_self", "knn100_self", "knn1_off", "knn1_self", "knn32_off",
                                          "knn32_self", "knn8_far", "knn8_off", "knn8_self", "knn8_sorted",
                                          "radius_self"}));

@@ -31,9 +31,10 @@ TEST(KnnTask, EveryMethodIsBuiltOrNamedAsNotBuilt) {
     names.insert(method);
     EXPECT_FALSE(package.empty()) << method;
   }
-  EXPECT_EQ(names, (std::multiset<std::string>{"brute", "bsp_tree", "bvh", "cgal_kdtree", "flann_forest",
-                                               "flann_kmeans", "flann_single", "kd_tree", "nanoflann",
-                                               "pcl_kdtree", "pcl_octree"}));
+  EXPECT_EQ(names, (std::multiset<std::string>{"brute", "bsp_spill", "bsp_tree", "bvh", "bvh_wide",
+                                               "bvh_wide_epsilon", "bvh_wide_leaves", "cgal_kdtree",
+                                               "flann_forest", "flann_kmeans", "flann_single", "kd_tree",
+                                               "nanoflann", "pcl_kdtree", "pcl_octree"}));
 }
 
 TEST(KnnTask, KnobsAreFlatObjectsAndPeersNameTheirVersion) {
@@ -284,7 +285,7 @@ TEST(KnnTask, DrawsTheDensityAndEachOfOurTreesAndIndexesTheDrawings) {
     EXPECT_EQ(svg.find("<circle ") != std::string::npos, slice);
     EXPECT_EQ(svg.find("nan"), std::string::npos);
   }
-  EXPECT_EQ(drawn, (std::set<std::string>{"", "kd_tree", "bsp_tree", "bvh"}));
+  EXPECT_EQ(drawn, (std::set<std::string>{"", "kd_tree", "bsp_tree", "bsp_spill", "bvh", "bvh_wide"}));
   std::filesystem::remove_all(folder);
 }
 

@@ -182,8 +182,34 @@ using Double3 = Trees<Points<double, 3>>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Float3, PointLaws, Float3);
 INSTANTIATE_TYPED_TEST_SUITE_P(Float2, PointLaws, Float2);
 INSTANTIATE_TYPED_TEST_SUITE_P(Double3, PointLaws, Double3);
-using WideFloat = testing::Types<accel::Bvh<Points<float, 3>, accel::Wide>, accel::Bvh<Points<float, 2>, accel::Wide>>;
+using WideFloat =
+    testing::Types<accel::Bvh<Points<float, 3>, accel::Wide>, accel::Bvh<Points<float, 2>, accel::Wide>>;
 INSTANTIATE_TYPED_TEST_SUITE_P(WideFloat, PointLaws, WideFloat);
+
+/// The same trees with the bounds that are not their default.
+template <class P>
+struct BoxedKdTree : accel::KdTree<P> {
+  explicit BoxedKdTree(std::span<const typename P::Point> points)
+      : accel::KdTree<P>(
+            points, {{}, accel::KdPointOptions::Split::median, accel::KdPointOptions::Bounds::tight_box}) {}
+};
+template <class P>
+struct BoxedBspTree : accel::BspTree<P> {
+  explicit BoxedBspTree(std::span<const typename P::Point> points)
+      : accel::BspTree<P>(points, {{}, {}, accel::BspPointOptions::Bounds::box_and_plane}) {}
+};
+template <class P>
+struct BallBvh : accel::Bvh<P> {
+  explicit BallBvh(std::span<const typename P::Point> points)
+      : accel::Bvh<P>(points,
+                      {{}, accel::BvhPointOptions::Split::sah, accel::BvhPointOptions::Bounds::ball}) {}
+};
+template <class P>
+using OtherBounds = testing::Types<BoxedKdTree<P>, BoxedBspTree<P>, BallBvh<P>>;
+using OtherBoundsFloat3 = OtherBounds<Points<float, 3>>;
+using OtherBoundsDouble2 = OtherBounds<Points<double, 2>>;
+INSTANTIATE_TYPED_TEST_SUITE_P(OtherBoundsFloat3, PointLaws, OtherBoundsFloat3);
+INSTANTIATE_TYPED_TEST_SUITE_P(OtherBoundsDouble2, PointLaws, OtherBoundsDouble2);
 
 }  // namespace
 }  // namespace treeline::test
