@@ -1,5 +1,6 @@
-// BSP trees: over points and over triangles.
+// BSP trees: over points, over rows and over triangles.
 #pragma once
 
 #include "accel/bsp_tree/points.hpp"
+#include "accel/bsp_tree/rows.hpp"
 #include "accel/bsp_tree/triangles.hpp"
