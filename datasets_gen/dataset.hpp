@@ -57,8 +57,8 @@ struct Recipe {
 std::span<const Recipe> recipes();
 
 /// Makes n rows, about n points or exactly as near to n faces as the recipe allows (1e3 ≤ n ≤ 1e7); the same
-/// name, n and seed give the same bits on every machine and with any number of threads. The first rows do not
-/// depend on n.
+/// name, n and seed give the same bits on every machine and with any number of threads. Of vectors, the
+/// first rows do not depend on n.
 /// Throws std::invalid_argument for an unknown name (listing those known) or n out of range.
 Dataset generate(std::string_view name, std::size_t n, std::uint64_t seed, const Progress& progress = {});
 
