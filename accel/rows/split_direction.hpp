@@ -109,7 +109,9 @@ class DirectionSplit {
     for (double& x : v) x /= std::sqrt(sum);
     return true;
   }
-  static constexpr int steps = 6;  // more change the trees but not, within 2 %, the rows that a search visits
+  // 3 to 30 steps move what an exact search looks at by 5 %, and recall after 256 rows by 0.02 (8, 32 and 128
+  // clustered columns); 30 take twice as long to build.
+  static constexpr int steps = 6;
 
   const RowSet<T>* set_;
   const AlignedScalars<T>* centre_;

@@ -14,7 +14,7 @@ namespace {
               .claim = Claim::approximate,
               .peer_version = FLANN_VERSION_,
               .build_knobs = {{{"trees", 4}}, {{"trees", 8}}, {{"trees", 16}}},
-              .query_knobs = {{{"checks", 32}}, {{"checks", 128}}, {{"checks", 512}}},
+              .query_knobs = checks_to(512),
               .ladder = 32},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
        return std::make_unique<FlannRows<flann::KDTreeIndex<flann::L2<float>>>>(

@@ -16,6 +16,13 @@ inline flann::Matrix<float> flann_matrix(RowsView rows) {
   return {const_cast<float*>(rows.data), rows.rows, rows.columns, rows.stride * sizeof(float)};
 }
 
+/// {"checks": 32}, … The same steps of two as our own limits, so that neither frontier is coarser.
+inline std::vector<Knobs> checks_to(int most) {
+  std::vector<Knobs> r;
+  for (int checks = 32; checks <= most; checks *= 2) r.push_back({{"checks", checks}});
+  return r;
+}
+
 template <class FlannIndex>
 class FlannRows final : public Index {
  public:

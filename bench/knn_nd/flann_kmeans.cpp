@@ -13,7 +13,7 @@ namespace {
               .claim = Claim::approximate,
               .peer_version = FLANN_VERSION_,
               .build_knobs = {{{"branching", 32}}, {{"branching", 16}}},
-              .query_knobs = {{{"checks", 32}}, {{"checks", 128}}, {{"checks", 512}}, {{"checks", 2048}}},
+              .query_knobs = checks_to(2048),
               .ladder = 33},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
        return std::make_unique<FlannRows<flann::KMeansIndex<flann::L2<float>>>>(
