@@ -19,6 +19,9 @@ std::uint64_t Dataset::hash() const {
   };
   if (kind == Kind::cloud) {
     add(cloud.points);
+  } else if (kind == Kind::vectors) {
+    add(std::vector<std::uint64_t>{vectors.columns});
+    add(vectors.scalars);
   } else {
     add(mesh.vertices);
     add(mesh.faces);

@@ -14,7 +14,16 @@
 
 namespace treeline::datasets {
 
-enum class Kind { cloud, mesh };
+enum class Kind { cloud, mesh, vectors };
+
+/// Points of any dimension: row after row.
+struct Vectors {
+  std::size_t columns = 0;
+  std::vector<float> scalars;
+
+  std::size_t size() const { return columns == 0 ? 0 : scalars.size() / columns; }
+  std::span<const float> row(std::size_t i) const { return {scalars.data() + i * columns, columns}; }
+};
 
 struct Dataset {
   std::string name;  // of the recipe, or the file's name without its folder
@@ -22,12 +31,15 @@ struct Dataset {
   std::uint64_t seed = 0;
   geometry::Cloud3f cloud;  // kind cloud
   geometry::Mesh3f mesh;    // kind mesh
+  Vectors vectors;          // kind vectors
   bool closed = false;  // mesh: closed and consistently oriented, as the recipe promises or adjacency finds
   std::vector<std::string> notes;  // what a user should know, e.g. coordinates that float could not hold
 
-  /// Points of a cloud, faces of a mesh.
-  std::size_t size() const { return kind == Kind::cloud ? cloud.size() : mesh.size(); }
-  /// 64-bit hash of the geometry alone (coordinates bit by bit, and indices): equal content, equal hash.
+  /// Points of a cloud, faces of a mesh, rows of vectors.
+  std::size_t size() const {
+    return kind == Kind::cloud ? cloud.size() : kind == Kind::mesh ? mesh.size() : vectors.size();
+  }
+  /// 64-bit hash of the content alone (coordinates bit by bit, and indices): equal content, equal hash.
   std::uint64_t hash() const;
 };
 
@@ -44,8 +56,9 @@ struct Recipe {
 /// Every recipe, in the order in which they are charted.
 std::span<const Recipe> recipes();
 
-/// Makes about n points or exactly as near to n faces as the recipe allows (1e3 ≤ n ≤ 1e7); the same name, n
-/// and seed give the same bits on every machine and with any number of threads.
+/// Makes n rows, about n points or exactly as near to n faces as the recipe allows (1e3 ≤ n ≤ 1e7); the same
+/// name, n and seed give the same bits on every machine and with any number of threads. Of vectors, the
+/// first rows do not depend on n.
 /// Throws std::invalid_argument for an unknown name (listing those known) or n out of range.
 Dataset generate(std::string_view name, std::size_t n, std::uint64_t seed, const Progress& progress = {});
 

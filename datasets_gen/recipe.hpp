@@ -54,6 +54,16 @@ struct Job {
     each(count, [&](std::size_t i) { r.points[i] = rounded(make(i)); });
     return r;
   }
+  /// n rows, the i-th being what make(i, row) writes.
+  template <class Make>
+  Vectors vectors(std::size_t columns, const Make& make) const {
+    Vectors r;
+    r.columns = columns;
+    r.scalars.resize(n * columns);
+    const auto row = [&](std::size_t i) { make(i, std::span(r.scalars).subspan(i * columns, columns)); };
+    each(n, row, 1, 256);
+    return r;
+  }
 };
 
 // One function per recipe; the table is in recipes.cpp.
@@ -71,5 +81,8 @@ geometry::Mesh3f architecture(const Job&);
 geometry::Mesh3f forest(const Job&);
 geometry::Mesh3f nested_shells(const Job&);
 geometry::Mesh3f torus_knot(const Job&);
+
+Vectors uniform_vectors(const Job&, std::size_t columns);
+Vectors descriptors(const Job&, std::size_t columns);
 
 }  // namespace treeline::datasets

@@ -10,11 +10,14 @@ namespace {
 
 using MakeCloud = geometry::Cloud3f (*)(const Job&);
 using MakeMesh = geometry::Mesh3f (*)(const Job&);
+using MakeVectors = Vectors (*)(const Job&, std::size_t columns);
 
 struct Entry {
   Recipe recipe;
   MakeCloud make_cloud = nullptr;
   MakeMesh make_mesh = nullptr;
+  MakeVectors make_vectors = nullptr;
+  std::size_t columns = 0;
 };
 
 Entry cloud(MakeCloud make, const char* name, const char* summary) {
@@ -23,9 +26,12 @@ Entry cloud(MakeCloud make, const char* name, const char* summary) {
 Entry mesh(MakeMesh make, const char* name, bool closed, const char* summary) {
   return {{name, Kind::mesh, summary, closed}, nullptr, make};
 }
+Entry vectors(MakeVectors make, const char* name, std::size_t columns, const char* summary) {
+  return {{name, Kind::vectors, summary, false}, nullptr, nullptr, make, columns};
+}
 
-const std::array<Entry, 13>& table() {
-  static const std::array<Entry, 13> entries{
+const std::array<Entry, 19>& table() {
+  static const std::array<Entry, 19> entries{
       cloud(uniform_cube, "uniform_cube", "uniform in the unit cube"),
       cloud(uniform_ball, "uniform_ball", "uniform in the unit ball"),
       cloud(displaced_sphere, "displaced_sphere", "on the surface of a rough sphere"),
@@ -40,6 +46,12 @@ const std::array<Entry, 13>& table() {
       mesh(nested_shells, "nested_shells", true,
            "eight rough spheres, one inside the other, facing in turn, closed"),
       mesh(torus_knot, "torus_knot", true, "a knotted tube, closed"),
+      vectors(descriptors, "descriptors_8", 8, "clusters of 8 latent dimensions, bent into 8 columns"),
+      vectors(descriptors, "descriptors_32", 32, "clusters of 8 latent dimensions, bent into 32 columns"),
+      vectors(descriptors, "descriptors_128", 128, "clusters of 8 latent dimensions, bent into 128 columns"),
+      vectors(uniform_vectors, "uniform_8", 8, "uniform in the unit cube of 8 dimensions"),
+      vectors(uniform_vectors, "uniform_32", 32, "uniform in the unit cube of 32 dimensions"),
+      vectors(uniform_vectors, "uniform_128", 128, "uniform in the unit cube of 128 dimensions"),
   };
   return entries;
 }
@@ -85,6 +97,8 @@ Dataset generate(std::string_view name, std::size_t n, std::uint64_t seed, const
   r.closed = entry->recipe.closed;
   if (entry->make_cloud)
     r.cloud = entry->make_cloud(job);
+  else if (entry->make_vectors)
+    r.vectors = entry->make_vectors(job, entry->columns);
   else
     r.mesh = entry->make_mesh(job);
   return r;

@@ -10,9 +10,13 @@ namespace {
 
 using namespace treeline::datasets;
 
+const char* kind_name(Kind kind) {
+  return kind == Kind::cloud ? "cloud" : kind == Kind::mesh ? "mesh" : "vectors";
+}
+
 void list() {
   for (const Recipe& r : recipes())
-    fmt::print("{:<17} {:<5} {}\n", r.name, r.kind == Kind::cloud ? "cloud" : "mesh", r.summary);
+    fmt::print("{:<17} {:<7} {}\n", r.name, kind_name(r.kind), r.summary);
 }
 
 }  // namespace

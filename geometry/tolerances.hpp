@@ -38,6 +38,14 @@ constexpr T ball_bound(int dimension) {
   return gamma<T>(dimension + 6);
 }
 
+/// Slack of a bound summed over columns, relative: a row's squared distance takes at most columns + 8 roundings
+/// from the differences (each of which counts twice, by its square), the bound's start as many, and each of up
+/// to 48 levels adds 4; (1 + epsilon)² and the comparison take the rest.
+template <class T>
+constexpr T row_bound(int columns) {
+  return gamma<T>(3 * columns + 256);
+}
+
 /// How far a hit's point on the ray may be from its point on the triangle, along each axis, relative to the
 /// reach: the largest distance along an axis from the ray's origin to the bounds of all triangles. The ray
 /// tests themselves displace a triangle by up to 16 u of the reach (slab_padding along two axes); computing

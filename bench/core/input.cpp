@@ -15,7 +15,7 @@ datasets::Dataset read_input(const std::string& file, datasets::Kind kind) {
   } catch (const std::exception& e) {
     throw UsageError(std::string("--input ") + e.what());
   }
-  if (data.kind == kind) return data;
+  if (data.kind == kind || kind == datasets::Kind::vectors) return data;  // points are vectors of three
   if (kind == datasets::Kind::mesh) throw UsageError("--input " + file + ": a cloud; this task needs a mesh");
   data.kind = kind;
   data.cloud.points = std::move(data.mesh.vertices);

@@ -28,6 +28,14 @@ TASKS = {
          ("knn8_far", "the 8 nearest of a position two to four diagonals of that box away"),
          ("radius_self", "all within a radius, chosen to hold about 30 points, of a point of the cloud"),
          ("box_self", "all in a box of about 30 points around a point of the cloud"))),
+    "knn_nd": TaskText(
+        "Neighbours in many dimensions",
+        "Which rows of a matrix of many columns lie nearest to a query that is not among them?",
+        "row", "query", "1 − recall",
+        "The share of the true nearest that the answer misses, by distance, so that ties are free. Not the excess of the "
+        "distances: in many dimensions even a random row is hardly farther than the nearest. error_mean and bias are that "
+        "excess.",
+        (("knn1, knn10, knn100", "the 1, 10 or 100 nearest of a row that was held out"),)),
     "ray": TaskText(
         "Rays through triangle meshes",
         "Which triangle does a ray meet first, and does it meet any?",

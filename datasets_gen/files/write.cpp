@@ -111,6 +111,7 @@ void write(const Dataset& dataset, const std::filesystem::path& path, bool overw
   if (extension == ".obj") writer = write_obj;
   if (extension == ".pcd" && cloud) writer = write_pcd;
   if (extension == ".xyz" && cloud) writer = write_xyz;
+  if (dataset.kind == Kind::vectors) throw FileError(path, "", "vectors have no file format here");
   if (!writer)
     throw FileError(
         path, "",

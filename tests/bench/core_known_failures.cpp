@@ -22,6 +22,7 @@
 #include "bench/core/row.hpp"
 #include "core_known_failures.hpp"
 #include "datasets_gen/hard/hard_case.hpp"
+#include "datasets_gen/hard/hard_rows.hpp"
 
 namespace treeline::bench {
 namespace {
@@ -50,6 +51,8 @@ std::vector<Row> stress_rows(const std::string& program, const std::string& file
 std::set<std::string> cases_that_may_be_refused() {
   std::set<std::string> out;
   for (const datasets::HardCase& hard : datasets::hard_cases())
+    if (hard.expect == datasets::Expect::answers_or_refuses) out.insert(hard.name);
+  for (const datasets::HardRows& hard : datasets::hard_rows())
     if (hard.expect == datasets::Expect::answers_or_refuses) out.insert(hard.name);
   return out;
 }

@@ -9,6 +9,7 @@ class Reading : public FolderTest {};
 
 TEST_F(RoundTrip, WritesEveryRecipeAndReadsTheSameBits) {
   for (const Recipe& recipe : recipes()) {
+    if (recipe.kind == Kind::vectors) continue;
     const Dataset made = generate(recipe.name, 3000, 5);
     for (const std::string extension : {"ply", "obj", "pcd", "xyz"}) {
       if (recipe.kind == Kind::mesh && (extension == "pcd" || extension == "xyz")) continue;
@@ -54,6 +55,7 @@ TEST_F(RoundTrip, LeavesNothingBehindWhereItCannotWrite) {
   const Dataset cloud = generate("grid", 1000, 1), mesh = generate("terrain", 1000, 1);
   EXPECT_THROW(write(cloud, folder() / "missing" / "a.ply"), FileError);
   EXPECT_THROW(write(mesh, folder() / "a.pcd"), FileError);
+  EXPECT_THROW(write(generate("uniform_8", 1000, 1), folder() / "a.ply"), FileError);
   EXPECT_THROW(write(mesh, folder() / "a.blend"), FileError);
   Dataset odd = cloud;
   odd.cloud.points[3][0] = std::numeric_limits<float>::quiet_NaN();

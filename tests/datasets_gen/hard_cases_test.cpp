@@ -6,6 +6,7 @@
 #include <set>
 
 #include "datasets_gen/hard/hard_case.hpp"
+#include "datasets_gen/hard/hard_rows.hpp"
 #include "geometry/adjacency.hpp"
 #include "geometry/intersect_triangle.hpp"
 
@@ -75,6 +76,22 @@ TEST(HardCases, OnlyThoseThatAreNotFiniteOrAskForNothingMayBeRefused) {
     EXPECT_EQ(finite && asks, c.expect == Expect::answers) << c.name;
     if (!finite) continue;
     for (const auto& r : c.rays) EXPECT_NE(r.direction, Vec3f()) << c.name;
+  }
+}
+
+TEST(HardRows, SayWhatTheyAreAndOnlyThoseThatAreNotFiniteMayBeRefused) {
+  std::set<std::string> names;
+  for (const HardCase& c : cases()) names.insert(c.name);
+  for (const HardRows& c : hard_rows()) {
+    EXPECT_TRUE(names.insert(c.name).second) << "twice: " << c.name;
+    EXPECT_FALSE(c.source.empty() || c.law.empty()) << c.name;
+    EXPECT_EQ(c.rows.columns, c.queries.columns) << c.name;
+    EXPECT_GT(c.queries.size(), 0u) << c.name;
+    EXPECT_LE(c.rows.size(), 20'000u) << c.name;
+    const auto finite = [](const Vectors& v) {
+      return std::ranges::all_of(v.scalars, [](float x) { return std::isfinite(x); });
+    };
+    EXPECT_EQ(finite(c.rows) && finite(c.queries), c.expect == Expect::answers) << c.name;
   }
 }
 

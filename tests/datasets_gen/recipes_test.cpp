@@ -44,6 +44,12 @@ TEST_P(EveryRecipe, GivesTheSameBitsOnEveryMachine) {
       {"forest", 0x4e432956167b88abull},
       {"nested_shells", 0x38dea7fb9f844471ull},
       {"torus_knot", 0x15753d39da347004ull},
+      {"descriptors_8", 0x6dbd9e3454409496ull},
+      {"descriptors_32", 0x8baadbbcb7c125b2ull},
+      {"descriptors_128", 0xc1351a206d728920ull},
+      {"uniform_8", 0x5000969fd23040d7ull},
+      {"uniform_32", 0xabfc523ff6597e5full},
+      {"uniform_128", 0x1ba1bbf048794efeull},
   };
   ASSERT_TRUE(pinned.contains(GetParam().name));
   EXPECT_EQ(generate(GetParam().name, 5000, 7).hash(), pinned.at(GetParam().name));
@@ -62,6 +68,7 @@ TEST_P(EveryRecipe, IsFiniteAndNamesOnlyVerticesThatExist) {
   const Dataset d = generate(GetParam().name, 20'000, 1);
   for (const auto& p : d.cloud.points) EXPECT_TRUE(is_finite(p));
   for (const auto& p : d.mesh.vertices) EXPECT_TRUE(is_finite(p));
+  EXPECT_TRUE(std::ranges::all_of(d.vectors.scalars, [](float x) { return std::isfinite(x); }));
   std::vector<bool> used(d.mesh.vertices.size());
   for (const auto& f : d.mesh.faces)
     for (const auto v : f) {
@@ -99,6 +106,38 @@ double volume(const geometry::Mesh3f& mesh) {
 long euler(const geometry::Mesh3f& mesh) {
   return static_cast<long>(mesh.vertices.size()) -
          static_cast<long>(geometry::Adjacency(mesh).edges().size()) + static_cast<long>(mesh.faces.size());
+}
+
+// Distances of 1000 rows: the mean to the nearest other row, over the mean to all others.
+double nearness(const std::string& name) {
+  const Vectors v = generate(name, 1000, 1).vectors;
+  double nearest = 0, all = 0;
+  for (std::size_t i = 0; i < 200; ++i) {
+    double least = 1e30, sum = 0;
+    for (std::size_t j = 0; j < v.size(); ++j) {
+      double square = 0;
+      for (std::size_t a = 0; a < v.columns; ++a) {
+        const double d = static_cast<double>(v.row(i)[a]) - static_cast<double>(v.row(j)[a]);
+        square += d * d;
+      }
+      if (j != i) least = std::min(least, std::sqrt(square)), sum += std::sqrt(square);
+    }
+    nearest += least, all += sum / 999;
+  }
+  return nearest / all;
+}
+
+TEST(Vectors, DescriptorsHaveNeighboursAndUniformRowsOfManyColumnsHaveNone) {
+  for (const char* name : {"descriptors_8", "descriptors_32", "descriptors_128"})
+    EXPECT_LT(nearness(name), 0.5) << name;
+  EXPECT_GT(nearness("uniform_32"), 0.6);
+  EXPECT_GT(nearness("uniform_128"), 0.8);
+}
+
+TEST(Vectors, OfOneRecipeStartAlikeWhateverTheNumber) {
+  const Vectors few = generate("descriptors_32", 1000, 5).vectors;
+  const Vectors many = generate("descriptors_32", 1500, 5).vectors;
+  EXPECT_TRUE(std::ranges::equal(few.scalars, std::span(many.scalars).first(few.scalars.size())));
 }
 
 TEST(Meshes, HaveTheTopologyOfTheirNames) {
