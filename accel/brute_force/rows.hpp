@@ -2,8 +2,8 @@
 // where rows fill all of their dimensions.
 //
 // Cost: a copy to build, O(n d) per query: the memory's bandwidth for single ones, the kernel for a batch,
-// which reads each row once for 16 queries (1e5 rows of 128 columns: 1.4 ms alone, 0.55 ms a query in a batch).
-// Known weakness: O(n). Limits of a search are met by ignoring them.
+// which reads each row once for 16 queries (1e5 rows of 128 columns: 1.4 ms alone, 0.55 ms a query in a
+// batch). Known weakness: O(n). Limits of a search are met by ignoring them.
 #pragma once
 
 #include "accel/rows/row_queries.hpp"

@@ -54,13 +54,15 @@ class RowQueries {
                          std::to_string(k) + " for each of " + std::to_string(queries.rows) + " queries");
     const std::size_t m = std::min(k, size());
     parallel_ranges(queries.rows, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) std::ranges::fill(out.subspan(i * k + m, k - m), Neighbor<T>{});
+      for (std::size_t i = begin; i < end; ++i)
+        std::ranges::fill(out.subspan(i * k + m, k - m), Neighbor<T>{});
       if constexpr (requires { Index::group; }) {
         for (std::size_t i = begin; i < end; i += Index::group)
           find_group(queries, i, std::min(end, i + Index::group), k, m, out);
       } else {
         NoWork work;
-        for (std::size_t i = begin; i < end; ++i) find_nearest(queries[i], out.subspan(i * k, m), search, work);
+        for (std::size_t i = begin; i < end; ++i)
+          find_nearest(queries[i], out.subspan(i * k, m), search, work);
       }
     });
   }
@@ -104,8 +106,8 @@ class RowQueries {
     unscale(out);
   }
   /// Queries begin … end - 1, the answers of query i at out[i·k].
-  void find_group(const RowsView<T>& queries, std::size_t begin, std::size_t end, std::size_t k, std::size_t m,
-                  std::span<Neighbor<T>> out) const {
+  void find_group(const RowsView<T>& queries, std::size_t begin, std::size_t end, std::size_t k,
+                  std::size_t m, std::span<Neighbor<T>> out) const {
     if (m == 0) return;
     AlignedScalars<T>& loaded = RowScratch<T>::of_thread().group;
     loaded.assign((end - begin) * set_.stride, T(0));
