@@ -3,9 +3,9 @@
 //
 // Exact, within (1 + epsilon), or approximate by limits on what is visited; see search.hpp. Cost: O(n d + n
 // log n) to build, 20/leaf bytes a row beside the rows. A query for 10 of 1e5 clustered rows of 32 columns
-// looks at 5 to 8 % of them. Known weakness: a dozen cuts say nothing of the columns that they do not cut. Where
-// rows are correlated, cuts across directions do better (bsp_tree/rows.hpp); where they are not, nothing
-// beats brute force beyond some 20 columns.
+// looks at 5 to 8 % of them. Known weakness: a dozen cuts say nothing of the columns that they do not cut.
+// Where rows are correlated, cuts across directions do better (bsp_tree/rows.hpp); where they are not,
+// nothing beats brute force beyond some 20 columns.
 #pragma once
 
 #include "accel/rows/tree_index.hpp"

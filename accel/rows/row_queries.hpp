@@ -1,5 +1,7 @@
 // Everything a RowIndex says, over the one search that each index must have:
-//   visit(limits, scratch, visitor, work): offers rows to the visitor; scratch.query is the query, loaded.
+//   visit(limits, scratch, visitor, work): offers rows to the visitor; scratch.query is the query, loaded;
+// and, if it answers several queries of a batch better together:
+//   visit_group(queries, visitors), for at most Index::group of them.
 // Checks of the input, the choice of a collector, batches and scaling are here, once for all.
 #pragma once
 
@@ -52,11 +54,15 @@ class RowQueries {
                          std::to_string(k) + " for each of " + std::to_string(queries.rows) + " queries");
     const std::size_t m = std::min(k, size());
     parallel_ranges(queries.rows, threads, [&](std::size_t begin, std::size_t end) {
-      NoWork work;
-      for (std::size_t i = begin; i < end; ++i) {
-        const auto answers = out.subspan(i * k, k);
-        find_nearest(queries[i], answers.first(m), search, work);
-        std::ranges::fill(answers.subspan(m), Neighbor<T>{});
+      for (std::size_t i = begin; i < end; ++i)
+        std::ranges::fill(out.subspan(i * k + m, k - m), Neighbor<T>{});
+      if constexpr (requires { Index::group; }) {
+        for (std::size_t i = begin; i < end; i += Index::group)
+          find_group(queries, i, std::min(end, i + Index::group), k, m, out);
+      } else {
+        NoWork work;
+        for (std::size_t i = begin; i < end; ++i)
+          find_nearest(queries[i], out.subspan(i * k, m), search, work);
       }
     });
   }
@@ -97,6 +103,37 @@ class RowQueries {
       collect(SortedBest<T>(out));
     else
       collect(HeapBest<T>(out));
+    unscale(out);
+  }
+  /// Queries begin … end - 1, the answers of query i at out[i·k].
+  void find_group(const RowsView<T>& queries, std::size_t begin, std::size_t end, std::size_t k,
+                  std::size_t m, std::span<Neighbor<T>> out) const {
+    if (m == 0) return;
+    AlignedScalars<T>& loaded = RowScratch<T>::of_thread().group;
+    loaded.assign((end - begin) * set_.stride, T(0));
+    const auto collect = [&]<class Best>(std::type_identity<Best>) {
+      std::vector<const T*> near;
+      std::vector<Best> bests;
+      for (std::size_t i = begin; i < end; ++i) {
+        T* const query = loaded.data() + (i - begin) * set_.stride;
+        set_.load(queries[i], query);
+        if (!set_.in_range(query)) {
+          set_.rank_widely(queries[i], out.subspan(i * k, m));
+          continue;
+        }
+        near.push_back(query), bests.emplace_back(out.subspan(i * k, m));
+      }
+      static_cast<const Index&>(*this).visit_group(std::span<const T* const>(near), std::span(bests));
+      for (auto& best : bests) best.finish();
+      for (std::size_t i = begin; i < end; ++i)
+        if (set_.in_range(loaded.data() + (i - begin) * set_.stride)) unscale(out.subspan(i * k, m));
+    };
+    if (m <= SortedBest<T>::largest_k)
+      collect(std::type_identity<SortedBest<T>>{});
+    else
+      collect(std::type_identity<HeapBest<T>>{});
+  }
+  void unscale(std::span<Neighbor<T>> out) const {
     if (set_.scale != T(1))
       for (auto& n : out) n.distance2 = set_.unscaled_square(n.distance2);
   }

@@ -26,7 +26,7 @@ struct RowScratch {
     std::uint32_t tree, node;
     bool operator<(const Bin& o) const { return order > o.order; }  // the nearest on top of a heap
   };
-  AlignedScalars<T> query, relative;
+  AlignedScalars<T> query, relative, group;
   std::vector<T> offsets, distances2;
   std::vector<std::uint32_t> places;
   std::vector<Bin> bins;
