@@ -5,6 +5,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
 
 #include <algorithm>
 #include <string>
@@ -53,6 +54,20 @@ void parallel_ranges(std::size_t n, int threads, F&& f) {
 #else
   tbb::task_arena arena(allowed_threads(threads));
   arena.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, chunk); });
+#endif
+}
+
+/// Calls both, at the same time if a worker is free. Inside an arena of as many threads as are wanted.
+template <class F, class G>
+void both(F&& f, G&& g) {
+#ifdef __SANITIZE_THREAD__
+  auto other = std::async(std::launch::async, f);
+  g();
+  other.get();
+#else
+  tbb::task_group group;
+  group.run(f);
+  group.run_and_wait(g);
 #endif
 }
 

@@ -16,7 +16,8 @@ class SortedBest {
  public:
   /// `best` must not be empty; it holds the answer afterwards, nearest first.
   /// Places that nothing within `within` takes keep no_id.
-  SortedBest(std::span<Neighbor<T>> best, T within) : best_(best) {
+  explicit SortedBest(std::span<Neighbor<T>> best, T within = std::numeric_limits<T>::infinity())
+      : best_(best) {
     std::ranges::fill(best_, Neighbor<T>{within, no_id});
   }
   T limit() const { return best_.back().distance2; }
@@ -41,7 +42,8 @@ class SortedBest {
 template <class T>
 class HeapBest {
  public:
-  HeapBest(std::span<Neighbor<T>> best, T within) : best_(best) {
+  explicit HeapBest(std::span<Neighbor<T>> best, T within = std::numeric_limits<T>::infinity())
+      : best_(best) {
     std::ranges::fill(best_, Neighbor<T>{within, no_id});
   }
   T limit() const { return best_.front().distance2; }

@@ -35,6 +35,7 @@ class PointQueries {
   using Point = geometry::Vec<T, D>;
   using Box = geometry::Box<T, D>;
   static constexpr bool searches_itself = false;
+  static constexpr bool keeps_each_point_once = true;
 
   // ---- one query: see NeighborIndex -------------------------------------------------------------------
 
@@ -155,6 +156,7 @@ class PointQueries {
   /// padded like a batch's; rows of points that were dropped stay empty. Asked in the order in which the tree
   /// keeps the points, so that neighbours share the caches.
   void nearest_of_all(std::size_t k, std::span<Neighbor<T>> out, int threads = 1) const {
+    static_assert(Tree::keeps_each_point_once, "a tree that copies points has no order of its own to ask in");
     check_k(k);
     const std::size_t rows = size() + stats_.dropped;
     if (rows > 0 && out.size() / k < rows)

