@@ -91,8 +91,10 @@ done
 
 say "Report"
 pictures=()
-for task in "${tasks[@]}"; do pictures+=(--pictures "$out/pictures/$task"); done
-"$root/.venv/bin/python" "$root/bench/report/report.py" "$out"/*.jsonl "${pictures[@]}" \
+for task in "${tasks[@]}"; do
+  [ -f "$out/pictures/$task/pictures.jsonl" ] && pictures+=(--pictures "$out/pictures/$task")
+done
+"$root/.venv/bin/python" "$root/bench/report/report.py" "$out"/*.jsonl ${pictures[@]+"${pictures[@]}"} \
   --out "$out/report.html" --winners || fail 2 "the report could not be made; the rows are in $out"
 printf '\nRows:   %s\nReport: %s\nTime:   %s s after the build\n' "$out" "$out/report.html" $(($(date +%s) - started))
 [ $status -eq 1 ] && echo "A method of ours failed a cell: look for 'wrong', 'crashed' or 'timeout' in the report." >&2

@@ -11,7 +11,6 @@
 namespace treeline::bench {
 namespace {
 
-constexpr double long_batch_s = 0.5;  // longer batches run once a repetition
 constexpr double memory_share = 0.4;  // of the free memory, for subjects held at one time
 
 std::size_t memory_budget() {
@@ -132,7 +131,7 @@ void Harness::run_query_set(Group& group, std::size_t query_set, Block& block) {
       timing_of.run = [&cell, &subject = *held.build.subject] {
         subject.run(cell.query_set, cell.row.query_knobs, cell.row.threads);
       };
-      timing_of.once = seconds > long_batch_s;
+      timing_of.seconds = seconds;
     }
   timer_.measure(timing);
   for (std::size_t i = 0; i < timing.size(); ++i) {

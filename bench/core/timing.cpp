@@ -6,12 +6,15 @@
 namespace treeline::bench {
 namespace {
 
+constexpr double long_batch_s = 0.5;  // longer batches run once a repetition
+constexpr double quick_repetition_s = 0.01;
+
 std::vector<std::string> profile_flags(Profile profile) {
   switch (profile) {
     case Profile::smoke:
       return {"--benchmark_repetitions=1"};
     case Profile::quick:
-      return {"--benchmark_min_time=0.01", "--benchmark_repetitions=3"};
+      return {"--benchmark_repetitions=3"};
     case Profile::full:
       return {"--benchmark_min_time=0.2", "--benchmark_repetitions=9"};
   }
@@ -33,9 +36,18 @@ void initialize(Profile profile, const BenchmarkFlags& flags, const std::string&
   if (count > 1) throw UsageError(std::string("Google Benchmark does not know or cannot use ") + pointers[1]);
 }
 
+/// Google Benchmark finds the number of iterations by trial, which takes as long as the repetitions
+/// themselves. The quick profile has no time for that: it knows what a batch takes.
+bool counts_ahead(Profile profile, const BenchmarkFlags& flags) {
+  return profile == Profile::quick &&
+         std::none_of(flags.passed_on.begin(), flags.passed_on.end(),
+                      [](const std::string& flag) { return flag.starts_with("--benchmark_min_time"); });
+}
+
 }  // namespace
 
-Timer::Timer(Profile profile, const BenchmarkFlags& flags) : once_(profile == Profile::smoke) {
+Timer::Timer(Profile profile, const BenchmarkFlags& flags)
+    : once_(profile == Profile::smoke), ahead_(counts_ahead(profile, flags)) {
   initialize(profile, flags, "bench");
   display_ = std::make_unique<Display>(flags);
 }
@@ -52,7 +64,11 @@ void Timer::measure(std::span<TimedCell> cells) {
       }
     });
     registered->UseRealTime()->MeasureProcessCPUTime();
-    if (once_ || cell.once) registered->Iterations(1);
+    if (once_ || cell.seconds > long_batch_s)
+      registered->Iterations(1);
+    else if (ahead_)
+      registered->Iterations(static_cast<benchmark::IterationCount>(
+          std::max(1.0, quick_repetition_s / std::max(cell.seconds, 1e-6))));
   }
   benchmark::RunSpecifiedBenchmarks(display_.get(), nullptr, ".");
   benchmark::ClearRegisteredBenchmarks();

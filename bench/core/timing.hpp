@@ -17,7 +17,7 @@ namespace treeline::bench {
 struct TimedCell {
   std::string name;           // unique among the cells timed together
   std::function<void()> run;  // one batch
-  bool once = false;          // a batch is long: one a repetition
+  double seconds = 0;         // what one batch takes, about: chooses how many make a repetition
   // What timing finds:
   std::vector<Repetition> repetitions;
   std::exception_ptr error;  // what a run threw; then there are no repetitions
@@ -30,7 +30,7 @@ class Timer {
   void measure(std::span<TimedCell>);
 
  private:
-  bool once_;
+  bool once_, ahead_;
   std::unique_ptr<Display> display_;
 };
 

@@ -26,8 +26,8 @@ Asked asked(Profile profile) {
       return {100, {}};
     case Profile::quick:
       return {500,
-              {"knn1_self", "knn8_self", "knn8_sorted", "knn32_self", "knn1_off", "knn8_off", "knn8_far",
-               "radius_self", "box_self"}};
+              {"knn1_self", "knn8_self", "knn8_sorted", "knn32_self", "knn8_off", "knn8_far", "radius_self",
+               "box_self"}};
     case Profile::full:
       return {20'000, {}};
   }

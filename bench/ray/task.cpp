@@ -26,9 +26,9 @@ std::size_t rays_per_set(Profile profile) {
 
 /// Rays a set that are judged: as many as brute force answers in a second or two.
 std::size_t judged_rays(std::size_t n, Profile profile) {
-  const double tests = profile == Profile::full ? 2e9 : 4e8;
+  const double tests = profile == Profile::full ? 2e9 : 2e8;
   return std::clamp(static_cast<std::size_t>(tests / static_cast<double>(std::max<std::size_t>(n, 1))),
-                    std::size_t{128}, std::size_t{8192});
+                    std::size_t{128}, std::size_t{profile == Profile::full ? 8192u : 2048u});
 }
 
 datasets::HardCase hard_case(const std::string& name) {
