@@ -18,7 +18,8 @@ using Bounds = Tree::Options::Bounds;
                               {{"leaf_size", 16}, {"split", "sah"}, {"bounds", "ball"}}},
               .stress_builds = {0, 2},
               .ladder = 11,
-              .sweep_up_to_n = 100'000},
+              .sweep_up_to_n = 1'000'000,
+              .quick_builds = 2},
      .build = [](const Input& input, const Knobs& knobs) {
        Tree::Options options;
        options.split = knobs.at("split") == "sah" ? Split::sah : Split::rank;

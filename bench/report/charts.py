@@ -100,7 +100,11 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
                   .encode(x=x, y=y, text="time:N"))  # fmt: skip
     if layout.field:
         top, bottom, _, _ = layout.field
-        inexact = front.transform_filter(f"datum.y < {layout.exact_start}")
+        # A name reaches over that of the next mark, where it is near (in pixels): then it is left to the tooltip.
+        inexact = front.transform_filter(f"datum.y < {layout.exact_start}").transform_window(
+            sort=[alt.SortField("x")], next_x="lead(x)", next_y="lead(y)")
+        inexact = inexact.transform_filter(
+            "!isValid(datum.next_x) || datum.next_x > 6 * datum.x || abs(datum.next_y - datum.y) > 16")
         inexact = inexact.transform_calculate(name="datum.method + ', ' + datum.time")
         layers.append(inexact.mark_text(align="left", dx=8, dy=-8, fontSize=10, fill=INK, opacity=_pick("0.85"))
                       .encode(x=x, y=y, text="name:N"))  # fmt: skip

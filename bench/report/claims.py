@@ -23,6 +23,7 @@ LIST = Path(__file__).with_name("claims.json")
 HOLDS, ONLY_IF, FAILS, NOT_RUN = "holds", "holds only if", "does not hold", "not run"
 FAMILIES = ("kd", "bvh", "bsp")
 BINARY = {"kd": "kd_tree", "bvh": "bvh", "bsp": "bsp_tree"}
+TEXTBOOK = {"kd": "planes", "bvh": "box", "bsp": "planes"}  # what bounds a cell where a tree offers several
 CONTESTS = {"binary": "binary trees with leaves of equal size", "best": "the best of each family"}
 PLACES = {"self": "asked at points of the cloud", "off": "asked off the cloud", "far": "asked from far away",
           "radius": "asked for a radius"}  # fmt: skip
@@ -117,12 +118,15 @@ def _place(query_set):
 
 
 def _entrants(group):
-    """(contest, family: its fastest right row), a contest of binary trees for each leaf size that they share."""
+    """(contest, family: its fastest right row), a contest of textbook trees for each leaf size that they share."""
     able = [r for r in group if right(r)]
     by_leaf = defaultdict(dict)
     for row in able:
-        if row.source == "ours" and BINARY.get(row.family) == row.method and "leaf_size" in (row.build_knobs or {}):
-            _keep_fastest(by_leaf[row.build_knobs["leaf_size"]], row)
+        knobs = row.build_knobs or {}
+        bounds = TEXTBOOK.get(row.family)
+        ours = row.source == "ours" and BINARY.get(row.family) == row.method
+        if ours and knobs.get("bounds", bounds) == bounds and "leaf_size" in knobs:
+            _keep_fastest(by_leaf[knobs["leaf_size"]], row)
     for entrants in by_leaf.values():
         yield "binary", entrants
     best = {}

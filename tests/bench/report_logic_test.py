@@ -292,6 +292,15 @@ class Claims(unittest.TestCase):
         self.assertIn(claims.CONTESTS["binary"], v.condition)
         self.assertNotIn(claims.CONTESTS["best"], v.condition)
 
+    def test_the_binary_contest_is_between_the_textbook_s_bounds(self):
+        # A KD-tree that keeps boxes, too, is a BVH in disguise: it may win only as the best of its family.
+        boxed = [made(METHOD, 10, dataset=d, query_set=s, build={"leaf_size": 8, "bounds": "tight_box"})
+                 for d in EVEN for s in ASKED]  # fmt: skip
+        v = self.verdict("S1", self.trees(300, 200) + boxed)
+        self.assertEqual(v.word, claims.ONLY_IF)
+        self.assertIn(claims.CONTESTS["best"], v.condition)
+        self.assertNotIn(claims.CONTESTS["binary"], v.condition)
+
     def test_one_rival_suffices_to_lose_to(self):
         self.assertEqual(self.verdict("S1", self.trees(100, 200, bsp=50)).word, claims.FAILS)
 
