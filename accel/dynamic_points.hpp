@@ -64,8 +64,9 @@ class DynamicPoints {
   };
   static constexpr std::uint32_t nowhere = 0xffffffffu;
 
-  void add_part(std::vector<std::pair<Id, Point>> points);
-  void take_out(std::size_t part, std::vector<std::pair<Id, Point>>& points);
+  void copy_alive(const Part& part, std::vector<std::pair<Id, Point>>& points) const;
+  Part built(std::vector<std::pair<Id, Point>> points) const;
+  void add(Part part);
   void nearest_of(const Part& part, const Point& q, std::size_t k, std::vector<Found>& list) const;
 
   typename Tree::Options tree_options_;
@@ -88,11 +89,14 @@ Id DynamicPoints<Tree>::insert(std::span<const Point> points) {
   std::vector<std::pair<Id, Point>> merged;
   for (std::size_t i = 0; i < points.size(); ++i) merged.emplace_back(first + static_cast<Id>(i), points[i]);
   if (merged.empty()) return first;
+  std::size_t kept = parts_.size();
+  while (kept > 0 &&
+         (parts_[kept - 1].ids.size() <= merged.size() || parts_[kept - 1].ids.size() < options_.block))
+    copy_alive(parts_[--kept], merged);
+  Part part = built(std::move(merged));  // what may throw comes before anything changes
   there_.resize(there_.size() + points.size(), true), alive_ += points.size();
-  while (!parts_.empty() &&
-         (parts_.back().ids.size() <= merged.size() || parts_.back().ids.size() < options_.block))
-    take_out(parts_.size() - 1, merged);
-  add_part(std::move(merged));
+  parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(kept), parts_.end());
+  add(std::move(part));
   return first;
 }
 
@@ -105,8 +109,14 @@ bool DynamicPoints<Tree>::erase(Id id) {
     if (!std::binary_search(part.ids.begin(), part.ids.end(), id)) continue;
     if (4 * ++part.dead <= part.ids.size()) break;
     std::vector<std::pair<Id, Point>> left;
-    take_out(p, left);
-    if (!left.empty()) add_part(std::move(left));
+    copy_alive(part, left);
+    if (left.empty()) {
+      parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(p));
+    } else {
+      Part smaller = built(std::move(left));
+      parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(p));
+      add(std::move(smaller));
+    }
     break;
   }
   return true;
@@ -115,25 +125,30 @@ bool DynamicPoints<Tree>::erase(Id id) {
 template <NeighborIndex Tree>
 void DynamicPoints<Tree>::rebuild() {
   std::vector<std::pair<Id, Point>> all;
-  while (!parts_.empty()) take_out(parts_.size() - 1, all);
-  if (!all.empty()) add_part(std::move(all));
+  for (const Part& part : parts_) copy_alive(part, all);
+  if (all.empty()) return parts_.clear();
+  Part whole = built(std::move(all));
+  parts_.clear();
+  add(std::move(whole));
 }
 
-/// Moves what is alive of a part to `points`, and ends the part.
 template <NeighborIndex Tree>
-void DynamicPoints<Tree>::take_out(std::size_t number, std::vector<std::pair<Id, Point>>& points) {
-  const Part& part = parts_[number];
+void DynamicPoints<Tree>::copy_alive(const Part& part, std::vector<std::pair<Id, Point>>& points) const {
   for (std::size_t i = 0; i < part.ids.size(); ++i)
     if (there_[part.ids[i]]) points.emplace_back(part.ids[i], part.points[i]);
-  parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(number));
 }
 
 template <NeighborIndex Tree>
-void DynamicPoints<Tree>::add_part(std::vector<std::pair<Id, Point>> points) {
+auto DynamicPoints<Tree>::built(std::vector<std::pair<Id, Point>> points) const -> Part {
   std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   Part part;
   for (const auto& [id, point] : points) part.ids.push_back(id), part.points.push_back(point);
   part.tree = std::make_unique<Tree>(std::span<const Point>(part.points), tree_options_);
+  return part;
+}
+
+template <NeighborIndex Tree>
+void DynamicPoints<Tree>::add(Part part) {
   const auto smaller = [&](const Part& other) { return other.ids.size() < part.ids.size(); };
   parts_.insert(std::find_if(parts_.begin(), parts_.end(), smaller), std::move(part));
 }
@@ -175,7 +190,7 @@ std::size_t DynamicPoints<Tree>::nearest(const Point& q, std::size_t k, std::spa
     throw InvalidInput("out holds " + std::to_string(out.size()) + " answers; it must hold " +
                        std::to_string(m));
   std::vector<Found> list;
-  for (const Part& part : parts_) nearest_of(part, q, k, list);
+  for (const Part& part : parts_) nearest_of(part, q, m, list);
   std::partial_sort_copy(list.begin(), list.end(), out.begin(), out.begin() + static_cast<std::ptrdiff_t>(m));
   return m;
 }

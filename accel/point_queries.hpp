@@ -15,6 +15,7 @@
 #include "accel/batch.hpp"
 #include "accel/k_best.hpp"
 #include "accel/point_set.hpp"
+#include "geometry/tolerances.hpp"
 
 namespace treeline::accel {
 
@@ -284,11 +285,15 @@ class PointQueries {
   /// Those in `out` are the nearest as far as T can tell; among all that T finds as near, the k best.
   template <class W>
   void rank_widely(const Point& q, std::span<Neighbor<T>> out, W& work) const {
-    Candidates<T, D> near(set_.wide_scaled(q), std::max(out.back().distance2, set_.vague_square()));
+    // All that may be as near as the last: two distances that rounding made equal differ by two gammas at
+    // most.
+    const T reach = out.back().distance2 * (1 + 2 * geometry::tolerance::gamma<T>(D + 2));
+    Candidates<T, D> near(set_.wide_scaled(q), std::max(reach, set_.vague_square()));
     tree().visit_near(set_.scaled(q), near, work);
-    const auto end = near.list.begin() + static_cast<std::ptrdiff_t>(out.size());
-    std::partial_sort(near.list.begin(), end, near.list.end());
-    for (std::size_t i = 0; i < out.size(); ++i)
+    const std::size_t found = std::min(out.size(), near.list.size());
+    std::partial_sort(near.list.begin(), near.list.begin() + static_cast<std::ptrdiff_t>(found),
+                      near.list.end());
+    for (std::size_t i = 0; i < found; ++i)
       out[i] = {set_.unscaled_square(near.list[i].distance2), near.list[i].id};
   }
   T squared_limit(T radius) const {
@@ -302,8 +307,9 @@ class PointQueries {
   }
   SearchLimits<T> limits_of(const NearestOptions<T>& options) const {
     const double stretch = 1 + options.epsilon;
-    return {squared_limit(options.max_distance), static_cast<T>(1 / (stretch * stretch)), options.max_leaves,
-            options.exact()};
+    // Never 0: times an infinite distance it would be NaN.
+    const auto shrink = std::max(static_cast<T>(1 / (stretch * stretch)), std::numeric_limits<T>::min());
+    return {squared_limit(options.max_distance), shrink, options.max_leaves, options.exact()};
   }
   template <class W>
   std::size_t select_within(const Point& q, T radius, std::span<Neighbor<T>> out, W& work) const {

@@ -38,7 +38,7 @@ T add_square(T s, T d) {
 
 template <class T, int D>
 T squared_length(const T* offsets) {
-  T s = offsets[0] * offsets[0];
+  T s = simd::opaque(offsets[0] * offsets[0]);
   for (int i = 1; i < D; ++i) s = add_square(s, offsets[i]);
   return s;
 }

@@ -55,6 +55,7 @@ ensure_python() {
   if cmp -s "$requirements" "$venv/requirements.installed"; then return; fi
   [ "$install" -eq 1 ] || fail 2 "no Python environment in .venv, and --no-install was given"
   say "Making the Python environment in .venv"
+  if [ -L "$venv" ] && [ ! -e "$venv" ]; then rm "$venv"; fi  # a link that leads nowhere
   python3 -m venv "$venv" || fail 2 "python3 -m venv failed"
   "$venv/bin/pip" install --quiet --disable-pip-version-check -r "$requirements" >&2 || fail 2 "pip install failed"
   cp "$requirements" "$venv/requirements.installed"

@@ -225,6 +225,45 @@ void check_meaning(const Input& in, const Header& h) {
   if (axes != 0x111) in.fail("header", "the vertices need the properties x, y and z, each once");
 }
 
+/// Whether a file's faces are what OpenMesh reads right: other properties beside the list of corners, and
+/// indices of other types, it may take for corners, or skip by the wrong width.
+bool is_plain(const Header& h) {
+  for (const Element& e : h.elements)
+    for (const Property& p : e.properties) {
+      if (e.name == "vertex" && p.count) return false;
+      if (e.name == "face" &&
+          (!is_corner_list(e, p) || *p.count != Type::u8 || size_of(p.type) != 4 || p.type == Type::f32))
+        return false;
+    }
+  return true;
+}
+
+/// The same vertices and faces with nothing else, as binary PLY.
+class Plain {
+ public:
+  void vertex(const float (&x)[3]) { append(vertices_, x, sizeof x), ++vertex_count_; }
+  void face(const std::vector<std::int32_t>& corners) {
+    const auto n = static_cast<std::int32_t>(corners.size());
+    append(faces_, &n, sizeof n), append(faces_, corners.data(), corners.size() * sizeof(std::int32_t));
+    ++face_count_;
+  }
+  std::string text() const {
+    const char* order = std::endian::native == std::endian::little ? "little" : "big";
+    return "ply\nformat binary_" + std::string(order) + "_endian 1.0\nelement vertex " +
+           std::to_string(vertex_count_) +
+           "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+           std::to_string(face_count_) + "\nproperty list int int vertex_indices\nend_header\n" + vertices_ +
+           faces_;
+  }
+
+ private:
+  static void append(std::string& to, const void* bytes, std::size_t n) {
+    to.append(static_cast<const char*>(bytes), n);
+  }
+  std::string vertices_, faces_;
+  std::size_t vertex_count_ = 0, face_count_ = 0;
+};
+
 }  // namespace
 
 Checked check_ply(const Input& in) {
@@ -233,11 +272,16 @@ Checked check_ply(const Input& in) {
   Checked r;
   r.binary = h.binary, r.is_mesh = false;
   Values values(in, h);
+  const bool rewrite = !is_plain(h);
+  Plain plain;
+  std::vector<std::int32_t> face;
   for (const Element& e : h.elements) {
     if (e.name == "vertex") r.vertices = e.count;
     if (e.name == "face") r.polygons = e.count, r.is_mesh = e.count > 0;
     for (std::size_t i = 0; i < e.count; ++i) {
       values.begin(e, i);
+      float point[3]{};
+      face.clear();
       for (const Property& p : e.properties) {
         float rounded = 0;
         const std::size_t n = p.count ? values.count(*p.count) : 1;
@@ -247,15 +291,21 @@ Checked check_ply(const Input& in) {
           const double v = values.next(p.type, p.axis >= 0 ? &rounded : nullptr);
           if (p.axis >= 0 && !r.coordinates.add(p.axis, v, rounded))
             values.fail("a coordinate beyond the range of float");
+          if (p.axis >= 0) point[p.axis] = rounded;
           if (corners && !(v >= 0 && v < static_cast<double>(r.vertices)))
             values.fail("names vertex " + std::to_string(static_cast<long long>(v)) + " of " +
                         std::to_string(r.vertices) + " (counted from 0)");
+          if (corners && v != std::floor(v)) values.fail("names vertex " + std::to_string(v));
+          if (corners) face.push_back(static_cast<std::int32_t>(v));
         }
       }
       values.end();
+      if (rewrite && e.name == "vertex") plain.vertex(point);
+      if (rewrite && e.name == "face") plain.face(face);
     }
   }
   values.finish();
+  if (rewrite) r.text = plain.text(), r.binary = true;
   return r;
 }
 

@@ -152,11 +152,40 @@ void weld(Raw& r) {
     for (auto& v : face) v = renamed[first[v]];
 }
 
+/// assimp leaves out a triangle that names a vertex which is not there, and says nothing. Before it changes
+/// anything it has one mesh for each primitive, in their order.
+void check_triangles(const Input& in, const Json& root, const aiScene& scene) {
+  const auto meshes = root.find("meshes");
+  if (meshes == root.end() || !meshes->is_array()) return;
+  unsigned number = 0;
+  for (std::size_t m = 0; m < meshes->size(); ++m) {
+    const Json& primitives = (*meshes)[m].at("primitives");
+    for (std::size_t p = 0; p < primitives.size(); ++p, ++number) {
+      if (number >= scene.mNumMeshes) return;
+      const Json& primitive = primitives[p];
+      const std::uint64_t mode = at_or(primitive, "mode", 4);
+      if (mode < 4 || primitive.contains("extensions")) continue;  // points and lines, or compressed
+      const Json& accessors = root.at("accessors");
+      const std::uint64_t none = accessors.size();
+      const std::uint64_t corners =
+          at_or(primitive, "indices", at_or(primitive.at("attributes"), "POSITION", none));
+      if (corners >= accessors.size()) continue;
+      const std::uint64_t count = at_or(accessors[corners], "count", 0);
+      const std::uint64_t triangles = mode == 4 ? count / 3 : count > 2 ? count - 2 : 0;
+      if (scene.mMeshes[number]->mNumFaces < triangles)
+        in.fail("mesh " + std::to_string(m) + ", primitive " + std::to_string(p),
+                std::to_string(triangles - scene.mMeshes[number]->mNumFaces) + " of " +
+                    std::to_string(triangles) + " triangles name a vertex that is not there");
+    }
+  }
+}
+
 }  // namespace
 
 Raw read_assimp(const Input& in) {
+  Json root;
   try {
-    const Json root = Json::parse(json_of(in));
+    root = Json::parse(json_of(in));
     check_buffer_files(in, root);
     check_accessors(in, root);
   } catch (const Json::exception& e) {
@@ -164,8 +193,14 @@ Raw read_assimp(const Input& in) {
   }
 
   Assimp::Importer importer;
-  const aiScene* scene =
-      importer.ReadFile(in.path.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices);
+  const aiScene* scene = importer.ReadFile(in.path.string(), 0);
+  if (scene != nullptr) try {
+      check_triangles(in, root, *scene);
+    } catch (const Json::exception& e) {
+      in.fail("", std::string("its JSON is broken: ") + e.what());
+    }
+  if (scene != nullptr)
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices);
   if (scene == nullptr) in.fail("", std::string("assimp cannot read it: ") + importer.GetErrorString());
   if (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) in.fail("", "assimp read it only in part");
 

@@ -47,7 +47,8 @@ struct AnyTree {
 template <class T, int D>
 using Trees = std::vector<std::unique_ptr<AnyTree<T, D>>>;
 
-/// Brute force, then every exact tree with every split rule and bound. For float and double in two and three dimensions.
+/// Brute force, then every exact tree with every split rule and bound. For float and double in two and three
+/// dimensions.
 template <class T, int D>
 Trees<T, D> all_trees(const Vecs<T, D>& points, int leaf_size = 8, NonFinite non_finite = NonFinite::refuse);
 
@@ -134,6 +135,11 @@ std::vector<NamedCloud<T, D>> clouds() {
          [](Point p, std::size_t i) { return i % 5 == 0 ? p : p * (sizeof(T) == 4 ? T(1e30) : T(1e240)); });
   mapped("a tiny cluster",
          [](Point p, std::size_t i) { return i % 5 == 0 ? p * (sizeof(T) == 4 ? T(1e-25) : T(1e-200)) : p; });
+  // As cosines of right angles leave it: coordinates whose squares vanish beside those of others.
+  mapped("dust", [](Point p, std::size_t i) {
+    if (i % 3 == 0) p[static_cast<int>(i / 3) % D] = sizeof(T) == 4 ? T(6e-17) : T(6e-150);
+    return p;
+  });
   mapped("one far away", [](Point p, std::size_t i) { return i == 700 ? Point::filled(T(1e6)) : p; });
   all.push_back({"grid", grid_cloud<T, D>(D == 2 ? 35 : 11)});
   return all;

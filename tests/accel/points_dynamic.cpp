@@ -115,6 +115,20 @@ TYPED_TEST(PointDynamic, BatchesEqualSingleQueriesAndRefuse) {
   EXPECT_THROW(forest.nearest(points[0], 0, one), InvalidInput);
   EXPECT_THROW(forest.nearest(bad[1], 1, one), InvalidInput);
   EXPECT_FALSE(forest.erase(1000000));
+  // More than there are: all of them.
+  std::vector<Found> all(forest.size());
+  EXPECT_EQ(forest.nearest(points[0], static_cast<std::size_t>(-1), all), forest.size());
+  for (const Found& f : all) EXPECT_NE(f.id, no_id);
+}
+
+// An insertion that is refused leaves everything as it was.
+TEST(PointDynamicKd, RefusedInsertionsChangeNothing) {
+  KdPointOptions options;
+  options.leaf_size = 0;
+  DynamicPoints<KdTree<Points<float, 3>>> forest(options);
+  EXPECT_THROW(forest.insert(uniform_cloud<float, 3>(10)), InvalidInput);
+  EXPECT_EQ(forest.size(), 0u);
+  EXPECT_EQ(forest.tree_count(), 0u);
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ TYPED_TEST(PointOptions, EpsilonBoundsEachDistance) {
     for (const auto& q : queries_for<float, 3>(cloud.points)) {
       const auto truth = ranked<float, 3>(cloud.points, q);
       for (const std::size_t k : {1, 8, 40})
-        for (const double epsilon : {0.1, 1.0, 10.0}) {
+        for (const double epsilon : {0.1, 1.0, 10.0, 1e30}) {
           std::vector<Found> found(k);
           const std::size_t n = tree.nearest(q, k, NearestOptions<float>{.epsilon = epsilon}, found);
           ASSERT_EQ(n, std::min(k, cloud.points.size()));

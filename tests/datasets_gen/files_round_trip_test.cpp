@@ -26,6 +26,39 @@ TEST_F(RoundTrip, WritesEveryRecipeAndReadsTheSameBits) {
   }
 }
 
+// Whatever else a face holds, before its corners or behind them, in whatever types: the same mesh.
+TEST_F(Reading, PlyFacesWithOtherProperties) {
+  if (!reads("ply")) GTEST_SKIP();
+  const std::string vertices = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+  const int corners[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  const auto file = [&](const std::string& name, const std::string& type, const std::string& first,
+                        const std::string& first_values, const std::string& last,
+                        const std::string& last_values) {
+    std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 4\n" +
+        first + "property list uchar " + type + " vertex_indices\n" + last + "end_header\n" + vertices;
+    for (const auto& c : corners)
+      text += first_values + "3 " + std::to_string(c[0]) + " " + std::to_string(c[1]) + " " +
+              std::to_string(c[2]) + last_values + "\n";
+    return read(put(name, text)).mesh.faces;
+  };
+  const auto plain = file("plain.ply", "int", "", "", "", "");
+  ASSERT_EQ(plain.size(), 4u);
+  for (int f = 0; f < 4; ++f)
+    for (int k = 0; k < 3; ++k)
+      EXPECT_EQ(plain[std::size_t(f)][std::size_t(k)], std::uint32_t(corners[f][k]));
+  const std::string flag = "property uchar flags\n", uv = "property list uchar float texcoord\n",
+                    tags = "property list uchar int tags\n";
+  EXPECT_EQ(file("a.ply", "int", flag, "7 ", "", ""), plain);
+  EXPECT_EQ(file("b.ply", "int", uv, "2 0.5 0.25 ", "", ""), plain);
+  EXPECT_EQ(file("c.ply", "int", tags, "3 3 3 3 ", "", ""), plain);
+  EXPECT_EQ(file("d.ply", "int", "", "", uv, " 6 0 0 1 0 0 1"), plain);
+  EXPECT_EQ(file("e.ply", "int", flag + tags, "1 2 0 0 ", uv + flag, " 2 0.5 0.5 9"), plain);
+  EXPECT_EQ(file("f.ply", "float", "", "", "", ""), plain);
+  EXPECT_EQ(file("g.ply", "ushort", "", "", flag, " 1"), plain);
+}
+
 TEST_F(RoundTrip, RefusesToOverwriteUnlessToldTo) {
   const Dataset a = generate("grid", 1000, 1), b = generate("uniform_cube", 1000, 1);
   const auto path = folder() / "cloud.xyz";
