@@ -27,10 +27,15 @@ constexpr int exit_expected = 0, exit_failed = 1, exit_unusable = 2;
 /// What a run found, over all its blocks.
 struct Outcome {
   std::size_t cells = 0, failures = 0;
+  std::vector<std::string> first_failures;
   void add(const std::vector<Row>& rows, bool must_answer) {
     cells += rows.size();
-    for (const Row& row : rows) failures += is_failure(row, must_answer);
+    for (const Row& row : rows)
+      if (is_failure(row, must_answer) && ++failures <= most_named)
+        first_failures.push_back(fmt::format("{} {} {}: {}: {}", row.block, row.query_set, row.method,
+                                             to_string(row.status), row.reason));
   }
+  static constexpr std::size_t most_named = 10;
 };
 
 class Program {
@@ -220,6 +225,8 @@ int Program::finish() const {
                     options_.benchmark.filter));
   if (outcome_.failures == 0) return exit_expected;
   fmt::print(stderr, "{} of {} cells are failures of ours\n", outcome_.failures, outcome_.cells);
+  for (const std::string& failure : outcome_.first_failures) fmt::print(stderr, "  {}\n", failure);
+  if (outcome_.failures > Outcome::most_named) fmt::print(stderr, "  …\n");
   return exit_failed;
 }
 

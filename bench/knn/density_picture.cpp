@@ -68,8 +68,9 @@ DensityPicture density_picture(std::span<const Vec3f> points, const Box3f& box, 
       const int shade = shade_of(row[i]);
       for (end = i + 1; end < r.width && shade_of(row[end]) == shade;) ++end;
       const std::string length = std::to_string(end - i);
-      paths[static_cast<std::size_t>(shade)] +=
-          "M" + std::to_string(i) + " " + std::to_string(j) + "h" + length + "v1h-" + length + "z";
+      std::string& path = paths[static_cast<std::size_t>(shade)];
+      path.append("M").append(std::to_string(i)).append(" ").append(std::to_string(j));
+      path.append("h").append(length).append("v1h-").append(length).append("z");
     }
   DensityPicture picture{"", std::pow(10, least), std::pow(10, *high)};
   picture.svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" shape-rendering=\"crispEdges\" viewBox=\"0 0 " +

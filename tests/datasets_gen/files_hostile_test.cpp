@@ -155,6 +155,9 @@ TEST_F(Hostile, Gltf) {
           "accessor 0", "run past the end");
   refused("f.glb", replaced(good, "\"bufferView\":1", "\"bufferView\":9"), "accessor 1", "not there");
   refused("g.glb", replaced(good, "\"buffer\":0", "\"buffer\":3"), "bufferView 0", "not there");
+  std::string index = good;  // the file ends with the last triangle's last corner
+  index.replace(index.size() - 4, 4, bytes_of(std::uint32_t{60000}));
+  refused("k.glb", index, "mesh 0, primitive 0", "not there");
   refused("h.gltf", "{\"asset\":", "", "JSON");
   refused("i.gltf", "[1, 2]", "", "");
   refused("j.gltf", "{\"asset\":{\"version\":\"2.0\"}}", "", "");
