@@ -15,8 +15,7 @@ const char* kind_name(Kind kind) {
 }
 
 void list() {
-  for (const Recipe& r : recipes())
-    fmt::print("{:<17} {:<7} {}\n", r.name, kind_name(r.kind), r.summary);
+  for (const Recipe& r : recipes()) fmt::print("{:<17} {:<7} {}\n", r.name, kind_name(r.kind), r.summary);
 }
 
 }  // namespace

@@ -29,18 +29,19 @@ constexpr T plane_bound(int dimension) {
   return gamma<T>(2 * dimension + 8);
 }
 
-/// Slack of a point's distance bound from a ball, relative: the computed distance of the ball's centre and its
-/// radius are off by D + 2 roundings of a squared distance and D of squares that lose digits to underflow, both
-/// halved by the root, 1 of the root and 2 to apply the slack, and must not be by more; the bound itself by
-/// 3 more and half of one to square, and the distance compared by D + 1. D + 6 covers the larger sum.
+/// Slack of a point's distance bound from a ball, relative: the computed distance of the ball's centre and
+/// its radius are off by D + 2 roundings of a squared distance and D of squares that lose digits to
+/// underflow, both halved by the root, 1 of the root and 2 to apply the slack, and must not be by more; the
+/// bound itself by 3 more and half of one to square, and the distance compared by D + 1. D + 6 covers the
+/// larger sum.
 template <class T>
 constexpr T ball_bound(int dimension) {
   return gamma<T>(dimension + 6);
 }
 
-/// Slack of a bound summed over columns, relative: a row's squared distance takes at most columns + 8 roundings
-/// from the differences (each of which counts twice, by its square), the bound's start as many, and each of up
-/// to 48 levels adds 4; (1 + epsilon)² and the comparison take the rest.
+/// Slack of a bound summed over columns, relative: a row's squared distance takes at most columns + 8
+/// roundings from the differences (each of which counts twice, by its square), the bound's start as many, and
+/// each of up to 48 levels adds 4; (1 + epsilon)² and the comparison take the rest.
 template <class T>
 constexpr T row_bound(int columns) {
   return gamma<T>(3 * columns + 256);

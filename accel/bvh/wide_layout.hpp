@@ -36,8 +36,8 @@ struct alignas(64) Node {
   Id first_id[lanes];  // the lowest id below each child, which settles ties without a visit
 };
 
-/// Memory, not initialised, aligned to cache lines; large blocks ask for huge pages (5 to 15 % on queries that miss
-/// the caches of a million points).
+/// Memory, not initialised, aligned to cache lines; large blocks ask for huge pages (5 to 15 % on queries
+/// that miss the caches of a million points).
 template <class T>
 class AlignedArray {
  public:

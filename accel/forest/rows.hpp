@@ -31,17 +31,19 @@ class Forest<Rows<T>> : public RowQueries<Forest<Rows<T>>, T> {
   using Options = ForestRowOptions;
 
   explicit Forest(RowsView<T> rows, const Options& options = {})
-      : Base(rows, options), along_columns_(options.split == Options::Split::random_axis), box_(set_),
+      : Base(rows, options),
+        along_columns_(options.split == Options::Split::random_axis),
+        box_(set_),
         centre_(set_) {
     check_positive("trees", options.trees);
     check_positive("choices", options.choices);
     check_positive("projections", options.projections);
     for (int i = 0; i < options.trees; ++i) {
       const std::uint64_t seed = geometry::hash_u64(options.seed, static_cast<std::uint64_t>(i));
-      trees_.push_back(along_columns_
-                           ? grow(AxisSplit<T>(set_, options.choices, seed), options.leaf_size)
-                           : grow(DirectionSplit<T>(set_, centre_.at, {options.projections, 0, seed}),
-                                  options.leaf_size));
+      trees_.push_back(
+          along_columns_
+              ? grow(AxisSplit<T>(set_, options.choices, seed), options.leaf_size)
+              : grow(DirectionSplit<T>(set_, centre_.at, {options.projections, 0, seed}), options.leaf_size));
     }
     // The first tree's leaves stay listed, as the others' are: a search marks rows by their places.
     const std::vector<std::uint32_t> first = trees_[0].places;

@@ -26,11 +26,11 @@ struct RowVector {
 };
 
 // A macro, since a function that takes a vector changes its calling convention with the instruction set.
-#define TREELINE_ROW_SUM(sum, v)                                                                           \
-  {                                                                                                        \
+#define TREELINE_ROW_SUM(sum, v)                                                                            \
+  {                                                                                                         \
     const auto by4 = __builtin_shufflevector(v, v, 0, 1, 2, 3) + __builtin_shufflevector(v, v, 4, 5, 6, 7); \
-    const auto by2 = __builtin_shufflevector(by4, by4, 0, 1) + __builtin_shufflevector(by4, by4, 2, 3);    \
-    sum = by2[0] + by2[1];                                                                                 \
+    const auto by2 = __builtin_shufflevector(by4, by4, 0, 1) + __builtin_shufflevector(by4, by4, 2, 3);     \
+    sum = by2[0] + by2[1];                                                                                  \
   }
 
 /// Writes the squared distances from query to rows places[0] … places[count - 1], or, where places is null, 0

@@ -17,9 +17,9 @@ namespace treeline::accel {
 template <class T>
 struct RowNode {
   T left_end, right_start;
-  std::uint32_t split;       // inner: column, or number of the direction; leaf: first place
-  std::uint32_t right;       // inner: right child; leaf: 0
-  std::uint32_t count : 31;  // leaf: rows
+  std::uint32_t split;           // inner: column, or number of the direction; leaf: first place
+  std::uint32_t right;           // inner: right child; leaf: 0
+  std::uint32_t count : 31;      // leaf: rows
   std::uint32_t coincident : 1;  // leaf: all rows are equal, and in order of id
 
   bool leaf() const { return right == 0; }
@@ -84,8 +84,8 @@ class RowTreeBuilder {
     const RowCut cut = rule_.cut(places, tree_, most_copies / copies - 1);
     for (std::size_t i = 0; i < count; ++i) keyed_[i] = {rule_.key(places[i], cut.split, tree_), places[i]};
     const auto less = [](const Keyed& a, const Keyed& b) { return a.key < b.key; };
-    const std::size_t extra = std::min(
-        static_cast<std::size_t>(cut.overlap / 2 * static_cast<double>(count)), count / 2 - 1);
+    const std::size_t extra =
+        std::min(static_cast<std::size_t>(cut.overlap / 2 * static_cast<double>(count)), count / 2 - 1);
     const std::size_t half = extra > 0 ? count / 2 : full_leaves(count);
     const auto begin = keyed_.begin(), end = begin + static_cast<std::ptrdiff_t>(count);
     const auto at = [&](std::size_t i) { return begin + static_cast<std::ptrdiff_t>(i); };
@@ -117,8 +117,12 @@ class RowTreeBuilder {
 
   void leaf(std::size_t index, std::span<std::uint32_t> places, std::size_t depth, bool coincident) {
     std::sort(places.begin(), places.end());  // places are in order of id until own_leaves
-    tree_.nodes[index] = {T(0), T(0), static_cast<std::uint32_t>(tree_.places.size()), 0,
-                          static_cast<std::uint32_t>(places.size()), coincident};
+    tree_.nodes[index] = {T(0),
+                          T(0),
+                          static_cast<std::uint32_t>(tree_.places.size()),
+                          0,
+                          static_cast<std::uint32_t>(places.size()),
+                          coincident};
     tree_.places.insert(tree_.places.end(), places.begin(), places.end());
     ++stats_.leaves;
     stats_.depth = std::max(stats_.depth, depth);

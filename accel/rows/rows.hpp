@@ -57,18 +57,17 @@ class Forest;
 /// Throws InvalidInput for k = 0, a query of the wrong length or that is not finite, limits of 0, a negative
 /// epsilon.
 template <class I>
-concept RowIndex =
-    requires(const I& index, std::span<const typename I::Scalar> q, std::size_t k,
-             std::span<Neighbor<typename I::Scalar>> out, RowsView<typename I::Scalar> queries,
-             const RowSearch& search, int threads, Work& work) {
-      { index.nearest(q, k, out) } -> std::same_as<std::size_t>;
-      { index.nearest(q, k, out, search) } -> std::same_as<std::size_t>;
-      { index.nearest(q, k, out, search, work) } -> std::same_as<std::size_t>;
-      index.nearest(queries, k, out, search, threads);
-      { index.size() } -> std::same_as<std::size_t>;
-      { index.columns() } -> std::same_as<std::size_t>;
-      { index.bytes() } -> std::same_as<std::size_t>;
-      { index.stats() } -> std::same_as<TreeStats>;
-    };
+concept RowIndex = requires(const I& index, std::span<const typename I::Scalar> q, std::size_t k,
+                            std::span<Neighbor<typename I::Scalar>> out, RowsView<typename I::Scalar> queries,
+                            const RowSearch& search, int threads, Work& work) {
+  { index.nearest(q, k, out) } -> std::same_as<std::size_t>;
+  { index.nearest(q, k, out, search) } -> std::same_as<std::size_t>;
+  { index.nearest(q, k, out, search, work) } -> std::same_as<std::size_t>;
+  index.nearest(queries, k, out, search, threads);
+  { index.size() } -> std::same_as<std::size_t>;
+  { index.columns() } -> std::same_as<std::size_t>;
+  { index.bytes() } -> std::same_as<std::size_t>;
+  { index.stats() } -> std::same_as<TreeStats>;
+};
 
 }  // namespace treeline::accel

@@ -90,7 +90,9 @@ std::vector<BlockSpec> KnnNdTask::blocks(Profile profile) const {
     case Profile::smoke:
       return {{"descriptors_32", 2'000}, {"uniform_8", 1'000}};
     case Profile::quick:
-      return {{"descriptors_8", 10'000}, {"descriptors_32", 100'000}, {"descriptors_128", 10'000},
+      return {{"descriptors_8", 10'000},
+              {"descriptors_32", 100'000},
+              {"descriptors_128", 10'000},
               {"uniform_32", 10'000}};
     case Profile::full:
       for (const std::size_t n : {10'000u, 100'000u})

@@ -28,8 +28,8 @@
 // Approximate methods test each triangle on its own, so that rays slip between two triangles that share an
 // edge, and t comes from terms that cancel for a triangle that is almost edge-on or thin. Such answers are
 // false all the same and counted so, but excused: each triangle that was passed by, p apart, is missed by a
-// moved ray of its own; and some moved ray hits p, with t within eps of p's plane, times p's longest side over
-// its least height, for by so much cancels the determinant that t is divided by.
+// moved ray of its own; and some moved ray hits p, with t within eps of p's plane, times p's longest side
+// over its least height, for by so much cancels the determinant that t is divided by.
 #pragma once
 
 #include <span>
@@ -91,7 +91,7 @@ class Judge {
 
   const geometry::Mesh3f& mesh_;
   double unit_roundoff_;
-  double largest_ = 0;  // |coordinate| of the finite vertices
+  double largest_ = 0;                          // |coordinate| of the finite vertices
   std::unordered_map<std::size_t, Near> near_;  // as far off as was asked for yet
 };
 

@@ -19,9 +19,9 @@
 //   float, and no ray from inside a closed mesh gets out. approximate: may leak at edges and vertices, and t
 //   may be off on a triangle that is thin or seen edge-on; anything else is wrong.
 // Advice: on camera, diffuse, shadow and edge. A leak is an answer as wrong as can be, and a tolerance holds
-//   for the worst single answer; the other sets show leaks by luck only, so that without edge a leaking method
-//   would be advised to whoever wants none. With it, no method that leaks meets a tolerance below 1; whoever
-//   can live with leaks at edges chooses among the sets in the report.
+//   for the worst single answer; the other sets show leaks by luck only, so that without edge a leaking
+//   method would be advised to whoever wants none. With it, no method that leaks meets a tolerance below 1;
+//   whoever can live with leaks at edges chooses among the sets in the report.
 #pragma once
 
 #include "bench/core/task.hpp"
@@ -42,9 +42,7 @@ class RayTask final : public Task {
   datasets::Kind dataset_kind() const override { return datasets::Kind::mesh; }
   std::unique_ptr<Block> open(const BlockSpec&, const RunContext&) const override;
   std::unique_ptr<Block> open(datasets::Dataset, const RunContext&) const override;
-  std::vector<std::string> advise_on() const override {
-    return {"camera", "diffuse", "shadow", "edge"};
-  }
+  std::vector<std::string> advise_on() const override { return {"camera", "diffuse", "shadow", "edge"}; }
   void pictures(const BlockSpec&, const RunContext&, const std::string& folder) const override;
 
   const std::vector<Method>& registered() const { return methods_; }

@@ -46,11 +46,11 @@ void add_few_and_equal(std::vector<HardRows>& all) {
                       as_many, random_rows(105, 50, 16), random_rows(106, 20, 16)));
   all.back().k = 64;
   const Vectors few = random_rows(107, 60, 24);
-  all.push_back(named("rows_all_equal", "measured: equal points overflow stacks, or are scanned one by one",
-                      "all k neighbours are at the one distance there is",
-                      mapped(random_rows(107, 4000, 24),
-                             [&](float, std::size_t, std::size_t a) { return few.scalars[a]; }),
-                      random_rows(108, 20, 24)));
+  all.push_back(named(
+      "rows_all_equal", "measured: equal points overflow stacks, or are scanned one by one",
+      "all k neighbours are at the one distance there is",
+      mapped(random_rows(107, 4000, 24), [&](float, std::size_t, std::size_t a) { return few.scalars[a]; }),
+      random_rows(108, 20, 24)));
   all.push_back(named("rows_duplicates", "kiddo #78: a leaf that overflows with equal points cannot be split",
                       by_distance,
                       mapped(random_rows(109, 6000, 24),
@@ -95,11 +95,14 @@ void add_not_finite(std::vector<HardRows>& all) {
   };
   const auto as_is = [](float x, std::size_t, std::size_t) { return x; };
   const char* finite_part = "refused with a clear error, or the neighbours among the finite rows";
-  add("rows_some_nan", "FLANN #320: filter first", finite_part,
+  add(
+      "rows_some_nan", "FLANN #320: filter first", finite_part,
       [](float x, std::size_t i, std::size_t a) { return i % 500 == 3 && a == 5 ? nan : x; }, as_is);
-  add("rows_first_nan", "measured in three dimensions: a box that starts from NaN never grows", finite_part,
+  add(
+      "rows_first_nan", "measured in three dimensions: a box that starts from NaN never grows", finite_part,
       [](float x, std::size_t i, std::size_t) { return i == 0 ? nan : x; }, as_is);
-  add("rows_infinite", "derivation: the mean of a column is infinite", finite_part,
+  add(
+      "rows_infinite", "derivation: the mean of a column is infinite", finite_part,
       [](float x, std::size_t i, std::size_t a) { return i == 77 && a == 2 ? infinity : x; }, as_is);
   add("rows_nan_query", "measured in three dimensions: arbitrary ids",
       "refused with a clear error, or nothing found", as_is,

@@ -24,8 +24,8 @@ class KnnNdProgram : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   int run(const std::string& arguments) const {
-    const std::string command = std::string(KNN_ND_TEST_PROGRAM) + " " + arguments + " > " +
-                                (folder_ / "out.txt").string() + " 2>&1";
+    const std::string command =
+        std::string(KNN_ND_TEST_PROGRAM) + " " + arguments + " > " + (folder_ / "out.txt").string() + " 2>&1";
     const int status = std::system(command.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
