@@ -2,12 +2,12 @@
 // dimensions, on every kind of cloud.
 //
 // 16 child boxes a node and 16 points a leaf, both measured by one pass of vector instructions; no pointers;
-// full leaves. Boxes visit fewer leaves than the cells of a KD tree, and with vectors a box costs no more than
-// a plane: wide nodes do for neighbours what they do for single rays (Wald, Benthin and Boulos 2008). Layout,
-// tags and exactness are described in wide_layout.hpp, wide_search.hpp and wide_build.hpp. Cost: O(n log n) to
-// build, O(log n + k) expected per query, 16 + 1.9 bytes a point in three dimensions (its own copy of the
-// points included; large trees are rounded up to huge pages). Known weakness: a single query waits for memory
-// at every level, batches hide that; at more than a few dimensions boxes stop pruning.
+// full leaves. Boxes visit fewer leaves than the cells of a KD tree, and with vectors a box costs no more
+// than a plane: wide nodes do for neighbours what they do for single rays (Wald, Benthin and Boulos 2008).
+// Layout, tags and exactness are described in wide_layout.hpp, wide_search.hpp and wide_build.hpp. Cost: O(n
+// log n) to build, O(log n + k) expected per query, 16 + 1.9 bytes a point in three dimensions (its own copy
+// of the points included; large trees are rounded up to huge pages). Known weakness: a single query waits for
+// memory at every level, batches hide that; at more than a few dimensions boxes stop pruning.
 #pragma once
 
 #include "accel/bvh/wide_build.hpp"
