@@ -11,26 +11,6 @@
 namespace treeline::bench::knn {
 namespace {
 
-class FlannForest final : public Index {
- public:
-  FlannForest(const Input& input, const Knobs& knobs)
-      : index_(flann_matrix(input.points), flann::KDTreeIndexParams(knobs.at("trees").get<int>())) {
-    index_.buildIndex();
-  }
-
-  void nearest(std::span<const Vec3f> queries, std::size_t k, const Knobs& knobs, int threads,
-               std::span<Id> ids) const override {
-    flann_nearest(index_, queries, k, flann::SearchParams(knobs.at("checks").get<int>()), threads, ids);
-  }
-  void within(std::span<const Vec3f> queries, float radius, const Knobs& knobs, int threads,
-              Lists<Id>& lists) const override {
-    flann_within(index_, queries, radius, flann::SearchParams(knobs.at("checks").get<int>()), threads, lists);
-  }
-
- private:
-  flann::KDTreeIndex<flann::L2_3D<float>> index_;
-};
-
 [[maybe_unused]] const bool registered = Registry<Method>::instance().add(
     {.info = {.name = "flann_forest",
               .family = "forest",
@@ -42,7 +22,8 @@ class FlannForest final : public Index {
               .ladder = 20,
               .quick_builds = 1},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
-       return std::make_unique<FlannForest>(input, knobs);
+       return std::make_unique<FlannApproximate<flann::KDTreeIndex<flann::L2_3D<float>>>>(
+           input, flann::KDTreeIndexParams(knobs.at("trees").get<int>()));
      }});
 
 }  // namespace

@@ -10,26 +10,6 @@
 namespace treeline::bench::knn {
 namespace {
 
-class FlannKmeans final : public Index {
- public:
-  FlannKmeans(const Input& input, const Knobs& knobs)
-      : index_(flann_matrix(input.points), flann::KMeansIndexParams(knobs.at("branching").get<int>())) {
-    index_.buildIndex();
-  }
-
-  void nearest(std::span<const Vec3f> queries, std::size_t k, const Knobs& knobs, int threads,
-               std::span<Id> ids) const override {
-    flann_nearest(index_, queries, k, flann::SearchParams(knobs.at("checks").get<int>()), threads, ids);
-  }
-  void within(std::span<const Vec3f> queries, float radius, const Knobs& knobs, int threads,
-              Lists<Id>& lists) const override {
-    flann_within(index_, queries, radius, flann::SearchParams(knobs.at("checks").get<int>()), threads, lists);
-  }
-
- private:
-  flann::KMeansIndex<flann::L2_3D<float>> index_;
-};
-
 [[maybe_unused]] const bool registered = Registry<Method>::instance().add(
     {.info = {.name = "flann_kmeans",
               .family = "kmeans",
@@ -41,7 +21,8 @@ class FlannKmeans final : public Index {
               .ladder = 21,
               .quick_builds = 1},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
-       return std::make_unique<FlannKmeans>(input, knobs);
+       return std::make_unique<FlannApproximate<flann::KMeansIndex<flann::L2_3D<float>>>>(
+           input, flann::KMeansIndexParams(knobs.at("branching").get<int>()));
      }});
 
 }  // namespace

@@ -48,4 +48,26 @@ void flann_within(const FlannIndex& index, std::span<const Vec3f> queries, float
   });
 }
 
+/// An index that stops after the query knob `checks`: one of FLANN's approximate ones.
+template <class FlannIndex>
+class FlannApproximate final : public Index {
+ public:
+  FlannApproximate(const Input& input, const flann::IndexParams& params)
+      : index_(flann_matrix(input.points), params) {
+    index_.buildIndex();
+  }
+
+  void nearest(std::span<const Vec3f> queries, std::size_t k, const Knobs& knobs, int threads,
+               std::span<Id> ids) const override {
+    flann_nearest(index_, queries, k, flann::SearchParams(knobs.at("checks").get<int>()), threads, ids);
+  }
+  void within(std::span<const Vec3f> queries, float radius, const Knobs& knobs, int threads,
+              Lists<Id>& lists) const override {
+    flann_within(index_, queries, radius, flann::SearchParams(knobs.at("checks").get<int>()), threads, lists);
+  }
+
+ private:
+  FlannIndex index_;
+};
+
 }  // namespace treeline::bench::knn
