@@ -290,6 +290,10 @@ class PointQueries {
     const T reach = out.back().distance2 * (1 + 2 * geometry::tolerance::gamma<T>(D + 2));
     Candidates<T, D> near(set_.wide_scaled(q), std::max(reach, set_.vague_square()));
     tree().visit_near(set_.scaled(q), near, work);
+    // Where T tells distances apart, those that it holds equal are ties, as in any other answer.
+    for (auto& c : near.list)
+      if (c.distance2 >= set_.vague_square() && c.distance2 <= std::numeric_limits<T>::max())
+        c.distance2 = static_cast<T>(c.distance2);
     const std::size_t found = std::min(out.size(), near.list.size());
     std::partial_sort(near.list.begin(), near.list.begin() + static_cast<std::ptrdiff_t>(found),
                       near.list.end());

