@@ -16,6 +16,7 @@
 #include "accel/bvh/wide_double.hpp"
 #include "accel/bvh/wide_search.hpp"
 #include "accel/point_queries.hpp"
+#include "accel/simd/sorted_pairs.hpp"
 
 namespace treeline::accel::wide {
 
@@ -225,27 +226,66 @@ inline float shrink_of(const SearchLimits<double>& limits) { return float_above(
 
 // ---- what a search for the k nearest collects ----------------------------------------------------------
 
-/// Lists: SortedBest or HeapBest. `limit` and `sure` are the worst distance's in the query's terms.
+/// One neighbour: the least of a leaf at once.
+class OneBest {
+ public:
+  static constexpr int prefetched = 0;
+  OneBest(std::span<Neighbor<double>> out, double within) : best_{within, no_id}, out_(out) {}
+  const Neighbor<double>& worst() const { return best_; }
+  void take(const Doubles16& distance2, const Id* ids) {
+    const double least = simd::smallest(distance2);
+    std::uint32_t there = simd::bits_le(distance2, Doubles16::broadcast(least));
+    Neighbor<double> candidate{least, ids[std::countr_zero(there)]};
+    while ((there &= there - 1) != 0) candidate.id = std::min(candidate.id, ids[std::countr_zero(there)]);
+    if (candidate < best_) best_ = candidate;
+  }
+  void finish() { out_.front() = best_; }
+
+ private:
+  Neighbor<double> best_;
+  std::span<Neighbor<double>> out_;
+};
+
+/// Many neighbours: a SortedBest or a HeapBest.
+template <class List>
+class ManyBest {
+ public:
+  static constexpr int prefetched = 2;
+  ManyBest(std::span<Neighbor<double>> out, double within) : list_(out, within) {}
+  const Neighbor<double>& worst() const { return list_.worst(); }
+  void offer(double distance2, Id id) { list_.offer(distance2, id); }
+  void finish() { list_.finish(); }
+
+ private:
+  List list_;
+};
+
+/// List: OneBest, simd::SortedPairs or ManyBest. `limit` and `sure` are the worst distance's in the query's
+/// terms.
 template <int D, class List>
 class Nearest {
  public:
-  static constexpr int prefetched = 2;
+  static constexpr int prefetched = List::prefetched;
   Nearest(const Query<D, double>& q, std::span<Neighbor<double>> out, double within)
       : list_(out, within), q_(q) {
     update();
   }
   std::int32_t limit() const { return limit_; }
   std::int32_t sure() const { return sure_; }
-  Id last_id() const { return list_.worst().id; }
-  const Neighbor<double>& worst() const { return list_.worst(); }
+  Id last_id() const { return worst_.id; }
+  const Neighbor<double>& worst() const { return worst_; }
   void take(const Doubles16& distance2, const Id* ids) {
-    std::uint32_t near = simd::bits_le(distance2, Doubles16::broadcast(list_.worst().distance2));
+    std::uint32_t near = simd::bits_le(distance2, Doubles16::broadcast(worst_.distance2));
     if (near == 0) return;
-    alignas(64) double d[lanes];
-    distance2.store(d);
-    for (; near != 0; near &= near - 1) {
-      const int i = std::countr_zero(near);
-      list_.offer(d[i], ids[i]);
+    if constexpr (requires { list_.take(distance2, ids); }) {
+      list_.take(distance2, ids);
+    } else {
+      alignas(64) double d[lanes];
+      distance2.store(d);
+      for (; near != 0; near &= near - 1) {
+        const int i = std::countr_zero(near);
+        list_.offer(d[i], ids[i]);
+      }
     }
     update();
   }
@@ -253,26 +293,14 @@ class Nearest {
 
  private:
   void update() {
-    const float limit = q_.node_limit(list_.worst().distance2);
+    worst_ = list_.worst();
+    const float limit = q_.node_limit(worst_.distance2);
     limit_ = bits_of(limit), sure_ = q_.sure_limit(limit);
   }
   List list_;
+  Neighbor<double> worst_;
   const Query<D, double>& q_;
   std::int32_t limit_, sure_;
-};
-
-/// Sentinel for a single neighbour: what SortedBest is for one place, without its loops.
-class OneBest {
- public:
-  OneBest(std::span<Neighbor<double>> out, double within) : best_(out.front()) { best_ = {within, no_id}; }
-  const Neighbor<double>& worst() const { return best_; }
-  void offer(double distance2, Id id) {
-    if (const Neighbor<double> candidate{distance2, id}; candidate < best_) best_ = candidate;
-  }
-  void finish() {}
-
- private:
-  Neighbor<double>& best_;
 };
 
 template <int D, class List>

@@ -130,8 +130,11 @@ void Bvh<Points<T, D>, Wide>::with_collector(std::size_t k, F&& f) {
     f(std::type_identity<NearestMany>{});
   } else {
     if (k == 1) return f(std::type_identity<Nearest<D, OneBest>>{});
-    if (k <= SortedBest<T>::largest_k) return f(std::type_identity<Nearest<D, SortedBest<T>>>{});
-    f(std::type_identity<Nearest<D, HeapBest<T>>>{});
+    if (k <= 8) return f(std::type_identity<Nearest<D, simd::SortedPairs<8>>>{});
+    if (k <= 16) return f(std::type_identity<Nearest<D, simd::SortedPairs<16>>>{});
+    if (k <= 32) return f(std::type_identity<Nearest<D, simd::SortedPairs<32>>>{});
+    if (k <= SortedBest<T>::largest_k) return f(std::type_identity<Nearest<D, ManyBest<SortedBest<T>>>>{});
+    f(std::type_identity<Nearest<D, ManyBest<HeapBest<T>>>>{});
   }
 }
 

@@ -52,6 +52,12 @@ inline std::uint32_t bits_le(const Doubles16& a, const Doubles16& b) {
   return bits;
 }
 
+inline double smallest(const Doubles16& a) {
+  DoubleReg m = a.r[0];
+  for (int i = 1; i < Doubles16::regs; ++i) m = min(m, a.r[i]);
+  return smallest(m);
+}
+
 /// Writes the neighbours whose bit is set, and returns how many.
 inline std::size_t store_set(std::uint32_t bits, const Doubles16& distance2, const Id* ids,
                              Neighbor<double>* out) {

@@ -136,6 +136,16 @@ inline double last_lane(DoubleReg a) {
   const __m128d q = _mm512_maskz_extractf64x2_pd(all8, a, 3);
   return _mm_cvtsd_f64(_mm_unpackhi_pd(q, q));
 }
+/// x where a < b, else y.
+inline DoubleReg chosen_lt(DoubleReg a, DoubleReg b, DoubleReg x, DoubleReg y) {
+  return _mm512_mask_blend_pd(_mm512_cmp_pd_mask(a, b, _CMP_LT_OQ), y, x);
+}
+inline double smallest(DoubleReg a) {
+  const __m256d four =
+      _mm256_min_pd(_mm512_maskz_extractf64x4_pd(all8, a, 0), _mm512_maskz_extractf64x4_pd(all8, a, 1));
+  const __m128d two = _mm_min_pd(_mm256_castpd256_pd128(four), _mm256_extractf128_pd(four, 1));
+  return _mm_cvtsd_f64(_mm_min_sd(two, _mm_unpackhi_pd(two, two)));
+}
 
 #elif TREELINE_SIMD == 256
 
@@ -208,6 +218,13 @@ inline double last_lane(DoubleReg a) {
   const __m128d q = _mm256_extractf128_pd(a, 1);
   return _mm_cvtsd_f64(_mm_unpackhi_pd(q, q));
 }
+inline DoubleReg chosen_lt(DoubleReg a, DoubleReg b, DoubleReg x, DoubleReg y) {
+  return _mm256_blendv_pd(y, x, _mm256_cmp_pd(a, b, _CMP_LT_OQ));
+}
+inline double smallest(DoubleReg a) {
+  const __m128d two = _mm_min_pd(_mm256_castpd256_pd128(a), _mm256_extractf128_pd(a, 1));
+  return _mm_cvtsd_f64(_mm_min_sd(two, _mm_unpackhi_pd(two, two)));
+}
 
 #elif TREELINE_SIMD == 128
 
@@ -273,6 +290,10 @@ inline DoubleReg max(DoubleReg a, DoubleReg b) { return _mm_max_pd(a, b); }
 inline DoubleReg min(DoubleReg a, DoubleReg b) { return _mm_min_pd(a, b); }
 inline DoubleReg moved_up(DoubleReg a, DoubleReg b) { return _mm_shuffle_pd(a, b, 0b01); }
 inline double last_lane(DoubleReg a) { return _mm_cvtsd_f64(_mm_unpackhi_pd(a, a)); }
+inline DoubleReg chosen_lt(DoubleReg a, DoubleReg b, DoubleReg x, DoubleReg y) {
+  return _mm_blendv_pd(y, x, _mm_cmplt_pd(a, b));
+}
+inline double smallest(DoubleReg a) { return _mm_cvtsd_f64(_mm_min_sd(a, _mm_unpackhi_pd(a, a))); }
 
 #else
 
@@ -347,6 +368,8 @@ inline DoubleReg max(DoubleReg a, DoubleReg b) { return a > b ? a : b; }
 inline DoubleReg min(DoubleReg a, DoubleReg b) { return a < b ? a : b; }
 inline DoubleReg moved_up(DoubleReg a, DoubleReg b) { return DoubleReg{a[1], b[0]}; }
 inline double last_lane(DoubleReg a) { return a[1]; }
+inline DoubleReg chosen_lt(DoubleReg a, DoubleReg b, DoubleReg x, DoubleReg y) { return a < b ? x : y; }
+inline double smallest(DoubleReg a) { return a[0] < a[1] ? a[0] : a[1]; }
 
 #endif
 
