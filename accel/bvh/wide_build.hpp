@@ -195,7 +195,7 @@ class Builder {
     Entry* const middle = to + left;
     const auto less = [this, axis](const Entry& a, const Entry& b) {
       if constexpr (Source::rounded)
-        if (a.point[axis] == b.point[axis]) return source_.point(a)[axis] < source_.point(b)[axis];
+        if (a.point[axis] == b.point[axis]) return source_.less(a, b, axis);
       return a.point[axis] < b.point[axis];
     };
     if (below < middle && middle < above && (low < high || Source::rounded)) {

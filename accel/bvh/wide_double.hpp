@@ -19,7 +19,7 @@ namespace treeline::accel::wide {
 
 /// Lower and upper bounds by at most two units in the last place, never denormal as the machine reads it.
 inline float float_below(double x) {
-  if (x >= 0x1p127) return 0x1p127f;
+  if (x >= 0x1p127) return 0x1.fffffep126f;
   if (x <= -0x1p127) return -infinity;
   const auto f = static_cast<float>(x);
   return f - std::abs(f) * 0x1p-23f - std::numeric_limits<float>::min();
@@ -130,6 +130,11 @@ class RoundedPoints {
   explicit RoundedPoints(std::span<const PointEntry<double, D>> points) : points_(points) {}
   const geometry::Vec<double, D>& point(const Entry& e) const { return points_[e.id].point; }
   Id id(const Entry& e) const { return points_[e.id].id; }
+  /// Equal ones by id, so that the lowest lie together.
+  bool less(const Entry& a, const Entry& b, int axis) const {
+    const double x = point(a)[axis], y = point(b)[axis];
+    return x < y || (x == y && a.id < b.id);
+  }
 
   /// Whether a run's box has fewer than 2^12 steps of rounding along its widest side.
   static bool vague(const geometry::Box<float, D>& box) {
