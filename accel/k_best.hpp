@@ -22,6 +22,7 @@ class SortedBest {
   }
   T limit() const { return best_.back().distance2; }
   bool full() const { return best_.back().id != no_id; }
+  const Neighbor<T>& worst() const { return best_.back(); }
   bool offer(T distance2, Id id) {
     const Neighbor<T> candidate{distance2, id};
     if (!(candidate < best_.back())) return false;
@@ -48,6 +49,7 @@ class HeapBest {
   }
   T limit() const { return best_.front().distance2; }
   bool full() const { return best_.front().id != no_id; }
+  const Neighbor<T>& worst() const { return best_.front(); }
   bool offer(T distance2, Id id) {
     const Neighbor<T> candidate{distance2, id};
     if (!(candidate < best_.front())) return false;

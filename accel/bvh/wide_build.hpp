@@ -22,19 +22,27 @@
 
 namespace treeline::accel::wide {
 
+/// Where the builder's entries come from: here they are the points themselves. Elsewhere (wide_double.hpp)
+/// they are rounded from points of more digits, which the source keeps.
 template <int D>
+struct OwnPoints {
+  static constexpr bool rounded = false;
+  const geometry::Vec<float, D>& point(const PointEntry<float, D>& e) const { return e.point; }
+  Id id(const PointEntry<float, D>& e) const { return e.id; }
+};
+
+template <int D, class TreeType = Tree<D>, class Source = OwnPoints<D>>
 class Builder {
  public:
   using Entry = PointEntry<float, D>;
   using Box = geometry::Box<float, D>;
 
   /// Reorders `entries`, whose coordinates are finite.
-  Builder(std::span<Entry> entries, bool by_perimeter, int threads)
-      : here_(entries), by_perimeter_(by_perimeter), threads_(threads) {}
+  Builder(std::span<Entry> entries, bool by_perimeter, int threads, Source source = {})
+      : here_(entries), by_perimeter_(by_perimeter), threads_(threads), source_(source) {}
 
-  Tree<D> build() {
-    Tree<D> tree(here_.size());
-    if (here_.empty()) return tree;
+  void build(TreeType& tree) {
+    if (here_.empty()) return;
     std::unique_ptr<Entry[]> other(new Entry[here_.size()]);
     there_ = other.get();
     tree_ = &tree;
@@ -42,7 +50,6 @@ class Builder {
     for (int l = 1; l < tree.top; ++l) unit *= lanes;
     in_arena([&] { split({0, here_.size(), unit}, false); });
     for (int l = 1; l <= tree.top; ++l) fill_level(l);
-    return tree;
   }
 
  private:
@@ -65,7 +72,9 @@ class Builder {
   void split(Range r, bool swapped) {
     while (r.unit > lanes && r.size <= r.unit) r.unit /= lanes;
     Entry* const from = (swapped ? there_ : here_.data()) + r.first;
-    const Box box = box_of(from, r.size);
+    Box box = box_of(from, r.size);
+    if constexpr (Source::rounded)
+      if (r.size > lanes && source_.vague(box)) box = source_.rebase(std::span(from, r.size));
     if (r.size <= lanes || box.low == box.high) return write_leaves(r, from, box.low == box.high);
     Entry* const to = (swapped ? here_.data() : there_) + r.first;
     const std::size_t units = (r.size + r.unit - 1) / r.unit;
@@ -166,7 +175,7 @@ class Builder {
 
   /// Moves so that to[0 … left) are not above and to[left … n) not below each other along the axis. `from`
   /// is left in pieces.
-  static void partition(Entry* from, Entry* to, std::size_t n, std::size_t left, int axis) {
+  void partition(Entry* from, Entry* to, std::size_t n, std::size_t left, int axis) const {
     const auto [low, high] =
         n <= small_size ? value_of_rank(from, n, left, axis) : bounds_of_rank(from, n, left, axis);
     // Each point is written to all three ends, and the end that it belongs to moves on. Together they have
@@ -184,11 +193,15 @@ class Builder {
       *between = e, between += !(is_below | is_above);
     }
     Entry* const middle = to + left;
-    const auto less = [axis](const Entry& a, const Entry& b) { return a.point[axis] < b.point[axis]; };
-    if (below < middle && middle < above && low < high) {
+    const auto less = [this, axis](const Entry& a, const Entry& b) {
+      if constexpr (Source::rounded)
+        if (a.point[axis] == b.point[axis]) return source_.less(a, b, axis);
+      return a.point[axis] < b.point[axis];
+    };
+    if (below < middle && middle < above && (low < high || Source::rounded)) {
       const auto count = static_cast<std::size_t>(between - from),
                  rank = static_cast<std::size_t>(middle - below);
-      if (count <= n / 2) return partition(from, below, count, rank, axis);
+      if (low < high && count <= n / 2) return partition(from, below, count, rank, axis);
       std::nth_element(from, from + rank, between, less);  // many of few values, which no sample tells apart
     }
     std::copy(from, between, below);
@@ -287,53 +300,51 @@ class Builder {
       std::sort(from, from + r.size, [](const Entry& a, const Entry& b) { return a.id < b.id; });
     for (std::size_t i = 0; i < r.size; i += lanes) {
       const std::size_t number = (r.first + i) / lanes, count = std::min<std::size_t>(r.size - i, lanes);
-      Leaf<D>& leaf = tree_->leaves[number];
+      auto& leaf = tree_->leaves[number];
+      typename TreeType::Box box;
       for (std::size_t j = 0; j < lanes; ++j) {
-        for (int a = 0; a < D; ++a) leaf.x[a][j] = j < count ? from[i + j].point[a] : infinity;
-        leaf.id[j] = j < count ? from[i + j].id : no_id;
+        if (j < count) {
+          const auto& p = source_.point(from[i + j]);
+          if constexpr (Source::rounded) box.grow(p);
+          for (int a = 0; a < D; ++a) leaf.x[a][j] = p[a];
+        } else {
+          for (int a = 0; a < D; ++a) leaf.x[a][j] = infinity;
+        }
+        leaf.id[j] = j < count ? source_.id(from[i + j]) : no_id;
       }
       if (tree_->top == 0) continue;
-      Id first_id = no_id;
-      for (std::size_t j = 0; j < count; ++j) first_id = std::min(first_id, leaf.id[j]);
-      write_child(tree_->level(1), number, box_of(from + i, count), first_id);
+      if constexpr (!Source::rounded) box = box_of(from + i, count);
+      set_child(*tree_, 1, number, box, *std::min_element(leaf.id, leaf.id + count));
     }
-  }
-
-  static void write_child(Node<D>* level, std::size_t number, const Box& box, Id first_id) {
-    Node<D>& parent = level[number / lanes];
-    const std::size_t lane = number % lanes;
-    for (int a = 0; a < D; ++a) parent.low[a][lane] = box.low[a], parent.high[a][lane] = box.high[a];
-    parent.first_id[lane] = first_id;
   }
 
   /// The boxes of a level from those of the level below, and the absent ones of its last node.
   void fill_level(int l) {
+    using TreeBox = typename TreeType::Box;
     const std::size_t below = tree_->size(l - 1);
     if (l > 1)
       for (std::size_t i = 0; i < below; ++i) {
-        const Node<D>& node = tree_->level(l - 1)[i];
-        Box box;
+        TreeBox box;
         Id first_id = no_id;
-        for (std::size_t j = 0; j < lanes && i * lanes + j < tree_->size(l - 2); ++j) {
-          for (int a = 0; a < D; ++a) {
-            box.low[a] = std::min(box.low[a], node.low[a][j]);
-            box.high[a] = std::max(box.high[a], node.high[a][j]);
-          }
-          first_id = std::min(first_id, node.first_id[j]);
+        const std::size_t last = std::min((i + 1) * lanes, tree_->size(l - 2));
+        for (std::size_t j = i * lanes; j < last; ++j) {
+          box.grow(child_box(*tree_, l - 1, j));
+          first_id = std::min(first_id, tree_->level(l - 1)[i].first_id[j % lanes]);
         }
-        write_child(tree_->level(l), i, box, first_id);
+        set_child(*tree_, l, i, box, first_id);
       }
-    const float none = std::numeric_limits<float>::quiet_NaN();
+    TreeBox none;
+    none.low = none.high = decltype(none.low)::filled(std::numeric_limits<float>::quiet_NaN());
     for (std::size_t i = below; i < (below + lanes - 1) / lanes * lanes; ++i)
-      write_child(tree_->level(l), i,
-                  {geometry::Vec<float, D>::filled(none), geometry::Vec<float, D>::filled(none)}, no_id);
+      set_child(*tree_, l, i, none, no_id);
   }
 
   std::span<Entry> here_;
   Entry* there_ = nullptr;
-  Tree<D>* tree_ = nullptr;
+  TreeType* tree_ = nullptr;
   bool by_perimeter_;
   int threads_;
+  [[no_unique_address]] Source source_;
 };
 
 }  // namespace treeline::accel::wide

@@ -24,9 +24,9 @@ inline constexpr int lanes = simd::lanes;
 inline constexpr float infinity = std::numeric_limits<float>::infinity();
 inline constexpr int max_levels = 8;  // 16^8 leaves are more than ids can number
 
-template <int D>
+template <int D, class T = float>
 struct alignas(64) Leaf {
-  float x[D][lanes];
+  T x[D][lanes];
   Id id[lanes];
 };
 
@@ -69,10 +69,12 @@ class AlignedArray {
   std::size_t size_ = 0, bytes_ = 0;
 };
 
+/// T is that of the leaves; boxes are of floats always (wide_double.hpp says why doubles need no more).
 /// Level 0 is the leaves; the nodes of levels 1 … top lie one level after the other, the root last.
-template <int D>
+template <int D, class T = float>
 struct Tree {
-  AlignedArray<Leaf<D>> leaves;
+  using Box = geometry::Box<T, D>;
+  AlignedArray<Leaf<D, T>> leaves;
   AlignedArray<Node<D>> nodes;
   std::array<std::size_t, max_levels + 1> first_node{};  // of each level
   int top = 0;                                           // level of the root; 0: it is the only leaf
@@ -97,5 +99,24 @@ struct Tree {
   }
   std::size_t bytes() const { return leaves.bytes() + nodes.bytes(); }
 };
+
+/// Sets the box of a node's child: of the level's children, all counted, that of the given number. NaN bounds
+/// for one that is absent.
+template <int D, class T>
+void set_child(Tree<D, T>& tree, int level, std::size_t number, const geometry::Box<float, D>& box,
+               Id first_id) {
+  Node<D>& parent = tree.level(level)[number / lanes];
+  const std::size_t lane = number % lanes;
+  for (int a = 0; a < D; ++a) parent.low[a][lane] = box.low[a], parent.high[a][lane] = box.high[a];
+  parent.first_id[lane] = first_id;
+}
+template <int D>
+geometry::Box<float, D> child_box(const Tree<D>& tree, int level, std::size_t number) {
+  const Node<D>& parent = tree.level(level)[number / lanes];
+  const std::size_t lane = number % lanes;
+  geometry::Box<float, D> box;
+  for (int a = 0; a < D; ++a) box.low[a] = parent.low[a][lane], box.high[a] = parent.high[a][lane];
+  return box;
+}
 
 }  // namespace treeline::accel::wide

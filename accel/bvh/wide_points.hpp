@@ -6,12 +6,12 @@
 // than a plane: wide nodes do for neighbours what they do for single rays (Wald, Benthin and Boulos 2008).
 // Layout, tags and exactness are described in wide_layout.hpp, wide_search.hpp and wide_build.hpp. Cost: O(n
 // log n) to build, O(log n + k) expected per query, 16 + 1.9 bytes a point in three dimensions (its own copy
-// of the points included; large trees are rounded up to huge pages). Known weakness: a single query waits for
-// memory at every level, batches hide that; at more than a few dimensions boxes stop pruning.
+// of the points included; large trees are rounded up to huge pages). Doubles are searched by boxes of floats,
+// and measured as doubles (wide_double.hpp): 28 + 4.9 bytes. Known weakness: a single query waits for memory
+// at every level, batches hide that; at more than a few dimensions boxes stop pruning.
 #pragma once
 
-#include "accel/bvh/wide_build.hpp"
-#include "accel/bvh/wide_search.hpp"
+#include "accel/bvh/wide_double_search.hpp"
 #include "accel/point_build.hpp"
 #include "accel/point_queries.hpp"
 #include "accel/slice.hpp"
@@ -25,9 +25,9 @@ struct WidePointOptions {
   int threads = 1;  ///< that build; the tree does not depend on it
 };
 
-template <int D>
-class Bvh<Points<float, D>, Wide> : public PointQueries<Bvh<Points<float, D>, Wide>, float, D> {
-  using Base = PointQueries<Bvh, float, D>;
+template <class T, int D>
+class Bvh<Points<T, D>, Wide> : public PointQueries<Bvh<Points<T, D>, Wide>, T, D> {
+  using Base = PointQueries<Bvh, T, D>;
 
  public:
   using typename Base::Box;
@@ -47,20 +47,20 @@ class Bvh<Points<float, D>, Wide> : public PointQueries<Bvh<Points<float, D>, Wi
   friend Base;
   using Base::set_;
   using Base::stats_;
-  using Found = Neighbor<float>;
+  using Found = Neighbor<T>;
 
-  using Limits = SearchLimits<float>;
+  using Limits = SearchLimits<T>;
 
   template <class W>
   void search_nearest(const Point& q, const Limits& limits, std::span<Found> out, W& work) const;
   void search_nearest_group(std::span<const Point> queries, std::size_t k, const Limits& limits,
                             std::span<Found> out) const;
   template <class Best, class W>
-  void search_from(const Point& q, wide::Path<D>& path, const Limits& limits, std::span<Found> out,
-                   W& work) const;
-  std::size_t count_within_limit(const Point& q, float limit) const;
+  void search_from(const wide::Query<D, T>& q, wide::Path<D>& path, const Limits& limits,
+                   std::span<Found> out, W& work) const;
+  std::size_t count_within_limit(const Point& q, T limit) const;
   template <class W>
-  void search_within(const Point& q, float limit, std::vector<Found>& out, W& work) const;
+  void search_within(const Point& q, T limit, std::vector<Found>& out, W& work) const;
   template <class W>
   void search_inside(const Box& box, std::vector<Id>& out, W& work) const;
   template <class Visitor, class W>
@@ -68,9 +68,9 @@ class Bvh<Points<float, D>, Wide> : public PointQueries<Bvh<Points<float, D>, Wi
 
   template <class F>
   static void with_collector(std::size_t k, F&& f);
-  PointEntry<float, D> stored(std::size_t i) const {
-    const wide::Leaf<D>& leaf = tree_.leaves[i / wide::lanes];
-    PointEntry<float, D> e;
+  PointEntry<T, D> stored(std::size_t i) const {
+    const wide::Leaf<D, T>& leaf = tree_.leaves[i / wide::lanes];
+    PointEntry<T, D> e;
     for (int a = 0; a < D; ++a) e.point[a] = leaf.x[a][i % wide::lanes];
     e.id = leaf.id[i % wide::lanes];
     return e;
@@ -78,22 +78,22 @@ class Bvh<Points<float, D>, Wide> : public PointQueries<Bvh<Points<float, D>, Wi
   Box leaf_box(std::size_t leaf) const;
   void count();
 
-  wide::Tree<D> tree_;
+  wide::TreeOver<D, T> tree_;
 };
 
 // ---- build ---------------------------------------------------------------------------------------------
 
-template <int D>
-Bvh<Points<float, D>, Wide>::Bvh(std::span<const Point> points, Options options)
+template <class T, int D>
+Bvh<Points<T, D>, Wide>::Bvh(std::span<const Point> points, Options options)
     : Base(points, BuildOptions{options.non_finite}) {
   check_threads(options.threads);
-  tree_ = wide::Builder<D>(set_.entries, options.split == Options::Split::perimeter, options.threads).build();
+  tree_ = wide::built(set_, options.split == Options::Split::perimeter, options.threads);
   set_.entries = {};  // the leaves have it all
   count();
 }
 
-template <int D>
-void Bvh<Points<float, D>, Wide>::count() {
+template <class T, int D>
+void Bvh<Points<T, D>, Wide>::count() {
   const std::size_t leaves = tree_.leaves.size();
   for (std::size_t i = 0; i < leaves; ++i) {
     const std::size_t points = std::min<std::size_t>(wide::lanes, this->size() - i * wide::lanes);
@@ -102,97 +102,102 @@ void Bvh<Points<float, D>, Wide>::count() {
   for (int l = 1; l <= tree_.top; ++l)
     for (std::size_t i = 0; i < tree_.size(l); ++i) {
       Box box;
-      for (int j = 0; j < wide::lanes; ++j) {
-        const wide::Node<D>& node = tree_.level(l)[i];
-        for (int a = 0; a < D; ++a) {
-          box.low[a] = std::min(box.low[a], node.low[a][j]);
-          box.high[a] = std::max(box.high[a], node.high[a][j]);
-        }
-      }
+      const std::size_t last = std::min((i + 1) * wide::lanes, tree_.size(l - 1));
+      for (std::size_t j = i * wide::lanes; j < last; ++j) box.grow(wide::child_box(tree_, l, j));
       add_inner(stats_, line_share(box, set_.box));
     }
   stats_.bytes = sizeof(*this) + tree_.bytes();
 }
 
-template <int D>
-auto Bvh<Points<float, D>, Wide>::leaf_box(std::size_t leaf) const -> Box {
-  if (tree_.top == 0) return set_.box;
-  const wide::Node<D>& parent = tree_.level(1)[leaf / wide::lanes];
-  Box box;
-  for (int a = 0; a < D; ++a)
-    box.low[a] = parent.low[a][leaf % wide::lanes], box.high[a] = parent.high[a][leaf % wide::lanes];
-  return box;
+template <class T, int D>
+auto Bvh<Points<T, D>, Wide>::leaf_box(std::size_t leaf) const -> Box {
+  return tree_.top == 0 ? set_.box : wide::child_box(tree_, 1, leaf);
 }
 
 // ---- queries -------------------------------------------------------------------------------------------
 
 /// Calls f with a tag of the collector that is fastest for k.
-template <int D>
+template <class T, int D>
 template <class F>
-void Bvh<Points<float, D>, Wide>::with_collector(std::size_t k, F&& f) {
+void Bvh<Points<T, D>, Wide>::with_collector(std::size_t k, F&& f) {
   using namespace wide;
-  if (k == 1) return f(std::type_identity<NearestOne>{});
-  if (k <= 8) return f(std::type_identity<NearestFew<simd::SortedKeys<8>>>{});
-  if (k <= 16) return f(std::type_identity<NearestFew<simd::SortedKeys<16>>>{});
-  if (k <= 32) return f(std::type_identity<NearestFew<simd::SortedKeys<32>>>{});
-  if (k <= simd::LongKeys::largest_k) return f(std::type_identity<NearestFew<simd::LongKeys>>{});
-  f(std::type_identity<NearestMany>{});
+  if constexpr (std::is_same_v<T, float>) {
+    if (k == 1) return f(std::type_identity<NearestOne>{});
+    if (k <= 8) return f(std::type_identity<NearestFew<simd::SortedKeys<8>>>{});
+    if (k <= 16) return f(std::type_identity<NearestFew<simd::SortedKeys<16>>>{});
+    if (k <= 32) return f(std::type_identity<NearestFew<simd::SortedKeys<32>>>{});
+    if (k <= simd::LongKeys::largest_k) return f(std::type_identity<NearestFew<simd::LongKeys>>{});
+    f(std::type_identity<NearestMany>{});
+  } else {
+    if (k == 1) return f(std::type_identity<Nearest<D, OneBest>>{});
+    if (k <= 8) return f(std::type_identity<Nearest<D, simd::SortedPairs<8>>>{});
+    if (k <= 16) return f(std::type_identity<Nearest<D, simd::SortedPairs<16>>>{});
+    if (k <= 32) return f(std::type_identity<Nearest<D, simd::SortedPairs<32>>>{});
+    if (k <= SortedBest<T>::largest_k) return f(std::type_identity<Nearest<D, ManyBest<SortedBest<T>>>>{});
+    f(std::type_identity<Nearest<D, ManyBest<HeapBest<T>>>>{});
+  }
 }
 
-template <int D>
+template <class T, int D>
 template <class Best, class W>
-void Bvh<Points<float, D>, Wide>::search_from(const Point& p, wide::Path<D>& path, const Limits& limits,
-                                              std::span<Found> out, W& work) const {
-  const wide::Query<D> q(p);
-  Best best(out.size(), limits.within);
-  if (limits.exact)
-    wide::search<true>(tree_, q, path, best, {}, work);
+void Bvh<Points<T, D>, Wide>::search_from(const wide::Query<D, T>& q, wide::Path<D>& path,
+                                          const Limits& limits, std::span<Found> out, W& work) const {
+  const auto find = [&](Best best) {
+    if (limits.exact)
+      wide::search<true>(tree_, q, path, best, {}, work);
+    else
+      wide::search<false>(tree_, q, path, best, {wide::shrink_of(limits), limits.leaves}, work);
+    if constexpr (std::is_same_v<T, float>)
+      best.write(out);
+    else
+      best.finish();
+  };
+  if constexpr (std::is_same_v<T, float>)
+    find(Best(out.size(), limits.within));
   else
-    wide::search<false>(tree_, q, path, best, {limits.shrink, limits.leaves}, work);
-  best.write(out);
+    find(Best(q, out, limits.within));
 }
 
-template <int D>
+template <class T, int D>
 template <class W>
-void Bvh<Points<float, D>, Wide>::search_nearest(const Point& p, const Limits& limits, std::span<Found> out,
-                                                 W& work) const {
+void Bvh<Points<T, D>, Wide>::search_nearest(const Point& p, const Limits& limits, std::span<Found> out,
+                                             W& work) const {
   with_collector(out.size(), [&]<class Best>(std::type_identity<Best>) {
-    const wide::Query<D> q(p);
+    const auto& place = wide::placed(tree_, p);
+    const auto q = wide::query_of(tree_, place);
     wide::Path<D> path;
     for (int level = tree_.top; level > 0; --level) wide::descend(tree_, q, level, path, work);
-    search_from<Best>(p, path, limits, out, work);
+    search_from<Best>(q, path, limits, out, work);
   });
 }
 
-template <int D>
-void Bvh<Points<float, D>, Wide>::search_nearest_group(std::span<const Point> queries, std::size_t k,
-                                                       const Limits& limits, std::span<Found> out) const {
+template <class T, int D>
+void Bvh<Points<T, D>, Wide>::search_nearest_group(std::span<const Point> queries, std::size_t k,
+                                                   const Limits& limits, std::span<Found> out) const {
   NoWork work;
   with_collector(k, [&]<class Best>(std::type_identity<Best>) {
+    wide::Placed<D, T> places[group_size];
+    for (std::size_t i = 0; i < queries.size(); ++i) places[i] = wide::placed(tree_, queries[i]);
     wide::Path<D> paths[group_size];
     for (int level = tree_.top; level > 0; --level)
       for (std::size_t i = 0; i < queries.size(); ++i) {
-        wide::descend(tree_, wide::Query<D>(queries[i]), level, paths[i], work);
+        wide::descend(tree_, wide::query_of(tree_, places[i]), level, paths[i], work);
         wide::prefetch_children(tree_, level, paths[i].at / wide::lanes, 1u << paths[i].at % wide::lanes);
       }
     for (std::size_t i = 0; i < queries.size(); ++i)
-      search_from<Best>(queries[i], paths[i], limits, out.subspan(i * k, k), work);
+      search_from<Best>(wide::query_of(tree_, places[i]), paths[i], limits, out.subspan(i * k, k), work);
   });
 }
 
-template <int D>
-std::size_t Bvh<Points<float, D>, Wide>::count_within_limit(const Point& p, float limit) const {
-  const wide::Query<D> q(p);
-  const auto limits = wide::Floats16::broadcast(limit);
+template <class T, int D>
+std::size_t Bvh<Points<T, D>, Wide>::count_within_limit(const Point& p, T limit) const {
+  const auto& place = wide::placed(tree_, p);
+  const auto q = wide::query_of(tree_, place);
+  const auto limits = wide::Lanes<T>::broadcast(limit);
   NoWork work;
   std::size_t count = 0;
   wide::visit(
-      tree_,
-      [&](const wide::Node<D>& node) {
-        // A box whose farthest corner is within holds nothing farther: rounding is monotone there, too.
-        return wide::Classified{simd::bits_le(wide::distances(node, q), limits),
-                                simd::bits_le(wide::farthest(node, q), limits)};
-      },
+      tree_, [&](const wide::Node<D>& node) { return wide::classify<true>(node, q, limit); },
       [&](std::size_t leaf) {
         count += static_cast<std::size_t>(
             std::popcount(simd::bits_le(wide::distances(tree_.leaves[leaf], q), limits)));
@@ -204,49 +209,48 @@ std::size_t Bvh<Points<float, D>, Wide>::count_within_limit(const Point& p, floa
   return count;
 }
 
-template <int D>
+template <class T, int D>
 template <class W>
-void Bvh<Points<float, D>, Wide>::search_within(const Point& p, float limit, std::vector<Found>& out,
-                                                W& work) const {
-  const wide::Query<D> q(p);
-  const auto limits = wide::Floats16::broadcast(std::min(limit, std::numeric_limits<float>::max()));
+void Bvh<Points<T, D>, Wide>::search_within(const Point& p, T limit, std::vector<Found>& out, W& work) const {
+  const auto& place = wide::placed(tree_, p);
+  const auto q = wide::query_of(tree_, place);
+  const auto limits = wide::Lanes<T>::broadcast(limit);
   wide::Appender<Found> found(out);
   if (std::isinf(limit)) {  // all there are: distances that overflow, too, but not the absent points
     work.node(), work.primitive(this->size());
     for (std::size_t i = 0; i < this->size(); ++i) {
-      const PointEntry<float, D> e = stored(i);
+      const PointEntry<T, D> e = stored(i);
       *found.room() = {squared_distance(e.point, p), e.id};
       found.taken(1);
     }
     return;
   }
   wide::visit(
-      tree_,
-      [&](const wide::Node<D>& node) {
-        return wide::Classified{simd::bits_le(wide::distances(node, q), limits), 0};
-      },
+      tree_, [&](const wide::Node<D>& node) { return wide::classify<false>(node, q, limit); },
       [&](std::size_t number) {
-        const wide::Leaf<D>& leaf = tree_.leaves[number];
-        const wide::Floats16 d = wide::distances(leaf, q);
+        const wide::Leaf<D, T>& leaf = tree_.leaves[number];
+        const auto d = wide::distances(leaf, q);
         work.primitive(wide::lanes);
         found.taken(simd::store_set(simd::bits_le(d, limits), d, leaf.id, found.room()));
       },
       [](std::size_t, std::size_t) {}, work);
 }
 
-template <int D>
+template <class T, int D>
 template <class W>
-void Bvh<Points<float, D>, Wide>::search_inside(const Box& box, std::vector<Id>& out, W& work) const {
+void Bvh<Points<T, D>, Wide>::search_inside(const Box& box, std::vector<Id>& out, W& work) const {
   wide::Appender<Id> found(out);
+  const auto& place = wide::placed(tree_, box);
   wide::visit(
-      tree_, [&](const wide::Node<D>& node) { return wide::classify(node, box); },
+      tree_, [&](const wide::Node<D>& node) { return wide::classify(tree_, node, place); },
       [&](std::size_t number) {
-        const wide::Leaf<D>& leaf = tree_.leaves[number];
+        const wide::Leaf<D, T>& leaf = tree_.leaves[number];
         work.primitive(wide::lanes);
         found.taken(simd::store_set(wide::points_inside(leaf, box), leaf.id, found.room()));
       },
       [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
+          work.node();  // read, though not measured
           std::copy_n(tree_.leaves[i].id, wide::lanes, found.room());
           found.taken(std::min<std::size_t>(wide::lanes, this->size() - i * wide::lanes));
         }
@@ -255,22 +259,19 @@ void Bvh<Points<float, D>, Wide>::search_inside(const Box& box, std::vector<Id>&
 }
 
 /// For visitors that take entries: leaves nearest first on each node, whatever the visitor measures.
-template <int D>
+template <class T, int D>
 template <class Visitor, class W>
-void Bvh<Points<float, D>, Wide>::visit_near(const Point& p, Visitor& visitor, W& work) const {
+void Bvh<Points<T, D>, Wide>::visit_near(const Point& p, Visitor& visitor, W& work) const {
   if (this->size() == 0) return;
-  const wide::Query<D> q(p);
+  const auto& place = wide::placed(tree_, p);
+  const auto q = wide::query_of(tree_, place);
   wide::visit(
-      tree_,
-      [&](const wide::Node<D>& node) {
-        return wide::Classified{
-            simd::bits_le(wide::distances(node, q), wide::Floats16::broadcast(visitor.limit())), 0};
-      },
+      tree_, [&](const wide::Node<D>& node) { return wide::classify<false>(node, q, visitor.limit()); },
       [&](std::size_t number) {
-        const wide::Leaf<D>& leaf = tree_.leaves[number];
+        const wide::Leaf<D, T>& leaf = tree_.leaves[number];
         work.primitive(wide::lanes);
         for (std::size_t i = 0; i < wide::lanes && leaf.id[i] != no_id; ++i) {
-          const PointEntry<float, D> e = stored(number * wide::lanes + i);
+          const PointEntry<T, D> e = stored(number * wide::lanes + i);
           visitor.offer(e, squared_distance(e.point, p));
         }
       },
@@ -279,8 +280,8 @@ void Bvh<Points<float, D>, Wide>::visit_near(const Point& p, Visitor& visitor, W
 
 // ---- pictures ------------------------------------------------------------------------------------------
 
-template <int D>
-std::vector<SliceCell> Bvh<Points<float, D>, Wide>::slice(int axis, double offset) const {
+template <class T, int D>
+std::vector<SliceCell> Bvh<Points<T, D>, Wide>::slice(int axis, double offset) const {
   const SlicePlane<D> plane(axis, offset * static_cast<double>(set_.scale));
   std::vector<SliceCell> cells;
   for (std::size_t i = 0; i < tree_.leaves.size(); ++i) {
@@ -294,5 +295,6 @@ std::vector<SliceCell> Bvh<Points<float, D>, Wide>::slice(int axis, double offse
 
 static_assert(NeighborIndex<Bvh<Points<float, 3>, Wide>> && Inspectable<Bvh<Points<float, 3>, Wide>>);
 static_assert(NeighborIndex<Bvh<Points<float, 2>, Wide>> && Inspectable<Bvh<Points<float, 2>, Wide>>);
+static_assert(NeighborIndex<Bvh<Points<double, 3>, Wide>> && Inspectable<Bvh<Points<double, 3>, Wide>>);
 
 }  // namespace treeline::accel

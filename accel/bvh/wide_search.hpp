@@ -14,15 +14,18 @@
 #include <vector>
 
 #include "accel/bvh/wide_layout.hpp"
+#include "accel/simd/doubles16.hpp"
 #include "accel/simd/sorted_keys.hpp"
 
 namespace treeline::accel::wide {
 
 using simd::Floats16;
 using simd::Ints16;
+template <class T>
+using Lanes = std::conditional_t<std::is_same_v<T, float>, Floats16, simd::Doubles16>;
 
-/// Coordinates of a query, each in all lanes.
-template <int D>
+/// Coordinates of a query, each in all lanes. For doubles see wide_double.hpp.
+template <int D, class T = float>
 struct Query {
   Floats16 x[D];
   explicit Query(const geometry::Vec<float, D>& p) {
@@ -71,8 +74,8 @@ void prefetch(const T* object, std::size_t bytes = sizeof(T)) {
   for (std::size_t i = 0; i < bytes; i += 64) __builtin_prefetch(reinterpret_cast<const char*>(object) + i);
 }
 /// Children of node number `at` of a level, those whose bits are set.
-template <int D>
-void prefetch_children(const Tree<D>& tree, int level, std::size_t at, std::uint32_t bits) {
+template <int D, class T>
+void prefetch_children(const Tree<D, T>& tree, int level, std::size_t at, std::uint32_t bits) {
   for (; bits != 0; bits &= bits - 1) {
     const std::size_t child = at * lanes + static_cast<std::size_t>(std::countr_zero(bits));
     if (level == 1)
@@ -183,9 +186,9 @@ struct Path {
 inline constexpr std::int32_t nothing = 0x7fffffff;  // in a lane that waits no more
 
 /// One step towards the nearest leaf, from a node of `level` to its nearest child.
-template <int D, class W>
-[[gnu::always_inline]] inline void descend(const Tree<D>& tree, const Query<D>& q, int level, Path<D>& path,
-                                           W& work) {
+template <int D, class T, class W>
+[[gnu::always_inline]] inline void descend(const Tree<D, T>& tree, const Query<D, T>& q, int level,
+                                           Path<D>& path, W& work) {
   work.node();
   const Ints16 near = simd::tagged(distances(tree.level(level)[path.at], q));
   const std::int32_t first = simd::smallest(near);
@@ -193,6 +196,11 @@ template <int D, class W>
   path.at = path.at * lanes + static_cast<std::size_t>(first & simd::lane_mask);
 }
 
+/// Whether a tagged distance does not tell if the child can matter.
+template <class Best>
+bool is_close(std::int32_t tagged, const Best& best) {
+  return ((tagged ^ best.limit()) & ~simd::lane_mask) == 0;
+}
 /// Whether a child whose distance has the same upper bits as the limit can hold anything better: it may lie
 /// beyond, or its points may all come later in the order of ids.
 template <int D, class Best>
@@ -210,9 +218,9 @@ struct Effort {
 };
 
 /// From the first leaf, where `path` leads, to all others that matter.
-template <bool exact, int D, class Best, class W>
-[[gnu::always_inline]] inline void search(const Tree<D>& tree, const Query<D>& q, Path<D>& path, Best& best,
-                                          Effort effort, W& work) {
+template <bool exact, int D, class T, class Best, class W>
+[[gnu::always_inline]] inline void search(const Tree<D, T>& tree, const Query<D, T>& q, Path<D>& path,
+                                          Best& best, Effort effort, W& work) {
   const auto limit = [&] {
     return exact ? best.limit() : bits_of(std::bit_cast<float>(best.limit()) * effort.shrink);
   };
@@ -252,7 +260,7 @@ template <bool exact, int D, class Best, class W>
     const int lane = here & simd::lane_mask;
     waiting = simd::replaced(waiting, here, nothing);
     next = simd::smallest(waiting);  // does not wait for what this child brings
-    if (exact && ((here ^ best.limit()) & ~simd::lane_mask) == 0) [[unlikely]]
+    if (is_close(here, best)) [[unlikely]]
       if (!matters(tree.level(level)[at], q, lane, best)) continue;
     const std::size_t child = at * lanes + static_cast<std::size_t>(lane);
     if (level == 1) {
@@ -287,10 +295,10 @@ struct Classified {
 
 /// Calls leaf(number) for each leaf, and all(first, last) for each run of leaves below a child that
 /// `classify` finds wholly inside. classify(node) gives Classified.
-template <int D, class Classify, class LeafFunction, class AllFunction, class W>
+template <int D, class T, class Classify, class LeafFunction, class AllFunction, class W>
 class Visit {
  public:
-  Visit(const Tree<D>& tree, Classify& classify, LeafFunction& leaf, AllFunction& all, W& work)
+  Visit(const Tree<D, T>& tree, Classify& classify, LeafFunction& leaf, AllFunction& all, W& work)
       : tree_(tree), classify_(classify), leaf_(leaf), all_(all), work_(work) {}
 
   void run() {
@@ -336,16 +344,16 @@ class Visit {
       waiting_[level - 1].push(at * lanes + static_cast<std::size_t>(std::countr_zero(bits)));
   }
 
-  const Tree<D>& tree_;
+  const Tree<D, T>& tree_;
   Classify& classify_;
   LeafFunction& leaf_;
   AllFunction& all_;
   W& work_;
   Queue waiting_[max_levels + 1];
 };
-template <int D, class Classify, class LeafFunction, class AllFunction, class W>
-void visit(const Tree<D>& tree, Classify&& classify, LeafFunction&& leaf, AllFunction&& all, W& work) {
-  Visit<D, Classify, LeafFunction, AllFunction, W>(tree, classify, leaf, all, work).run();
+template <int D, class T, class Classify, class LeafFunction, class AllFunction, class W>
+void visit(const Tree<D, T>& tree, Classify&& classify, LeafFunction&& leaf, AllFunction&& all, W& work) {
+  Visit<D, T, Classify, LeafFunction, AllFunction, W>(tree, classify, leaf, all, work).run();
 }
 
 /// Children of a node that meet a closed box, and those that lie in it.
@@ -361,13 +369,13 @@ Classified classify(const Node<D>& node, const geometry::Box<float, D>& box) {
   return c;
 }
 /// Points of a leaf in a closed box; absent ones have coordinates no finite box reaches.
-template <int D>
-std::uint32_t points_inside(const Leaf<D>& leaf, const geometry::Box<float, D>& box) {
+template <int D, class T>
+std::uint32_t points_inside(const Leaf<D, T>& leaf, const geometry::Box<T, D>& box) {
   std::uint32_t in = 0xffff;
   for (int a = 0; a < D; ++a) {
-    const Floats16 x = Floats16::load(leaf.x[a]);
-    in &= simd::bits_le(Floats16::broadcast(box.low[a]), x) &
-          simd::bits_le(x, Floats16::broadcast(box.high[a]));
+    const auto x = Lanes<T>::load(leaf.x[a]);
+    in &= simd::bits_le(Lanes<T>::broadcast(box.low[a]), x) &
+          simd::bits_le(x, Lanes<T>::broadcast(box.high[a]));
   }
   return in;
 }

@@ -114,6 +114,14 @@ inline std::int32_t smallest(IntReg a) {
 inline DoubleReg load(const double* p) { return _mm512_loadu_pd(p); }
 inline void store(double* p, DoubleReg a) { _mm512_storeu_pd(p, a); }
 inline DoubleReg broadcast(double x) { return _mm512_set1_pd(x); }
+inline DoubleReg add(DoubleReg a, DoubleReg b) { return _mm512_add_pd(a, b); }
+inline DoubleReg sub(DoubleReg a, DoubleReg b) { return _mm512_sub_pd(a, b); }
+inline DoubleReg mul(DoubleReg a, DoubleReg b) {
+  DoubleReg r = _mm512_mul_pd(a, b);
+  asm("" : "+v"(r));
+  return r;
+}
+inline std::uint32_t bits_le(DoubleReg a, DoubleReg b) { return _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ); }
 inline DoubleReg max(DoubleReg a, DoubleReg b) { return _mm512_maskz_max_pd(all8, a, b); }
 inline DoubleReg min(DoubleReg a, DoubleReg b) { return _mm512_maskz_min_pd(all8, a, b); }
 /// The lanes of b moved up by one, behind the last lane of a.
@@ -132,6 +140,16 @@ inline IntReg unpacked_high(IntReg a, IntReg b) { return _mm512_maskz_unpackhi_e
 inline double last_lane(DoubleReg a) {
   const __m128d q = _mm512_maskz_extractf64x2_pd(all8, a, 3);
   return _mm_cvtsd_f64(_mm_unpackhi_pd(q, q));
+}
+/// x where a < b, else y.
+inline DoubleReg chosen_lt(DoubleReg a, DoubleReg b, DoubleReg x, DoubleReg y) {
+  return _mm512_mask_blend_pd(_mm512_cmp_pd_mask(a, b, _CMP_LT_OQ), y, x);
+}
+inline double smallest(DoubleReg a) {
+  const __m256d four =
+      _mm256_min_pd(_mm512_maskz_extractf64x4_pd(all8, a, 0), _mm512_maskz_extractf64x4_pd(all8, a, 1));
+  const __m128d two = _mm_min_pd(_mm256_castpd256_pd128(four), _mm256_extractf128_pd(four, 1));
+  return _mm_cvtsd_f64(_mm_min_sd(two, _mm_unpackhi_pd(two, two)));
 }
 
 #elif TREELINE_SIMD == 256
@@ -186,6 +204,16 @@ inline std::int32_t smallest(IntReg a) {
 inline DoubleReg load(const double* p) { return _mm256_loadu_pd(p); }
 inline void store(double* p, DoubleReg a) { _mm256_storeu_pd(p, a); }
 inline DoubleReg broadcast(double x) { return _mm256_set1_pd(x); }
+inline DoubleReg add(DoubleReg a, DoubleReg b) { return _mm256_add_pd(a, b); }
+inline DoubleReg sub(DoubleReg a, DoubleReg b) { return _mm256_sub_pd(a, b); }
+inline DoubleReg mul(DoubleReg a, DoubleReg b) {
+  DoubleReg r = _mm256_mul_pd(a, b);
+  asm("" : "+x"(r));
+  return r;
+}
+inline std::uint32_t bits_le(DoubleReg a, DoubleReg b) {
+  return static_cast<std::uint32_t>(_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_LE_OQ)));
+}
 inline DoubleReg max(DoubleReg a, DoubleReg b) { return _mm256_max_pd(a, b); }
 inline DoubleReg min(DoubleReg a, DoubleReg b) { return _mm256_min_pd(a, b); }
 inline DoubleReg moved_up(DoubleReg a, DoubleReg b) {
@@ -195,6 +223,13 @@ inline DoubleReg moved_up_two(DoubleReg a, DoubleReg b) { return _mm256_permute2
 inline double last_lane(DoubleReg a) {
   const __m128d q = _mm256_extractf128_pd(a, 1);
   return _mm_cvtsd_f64(_mm_unpackhi_pd(q, q));
+}
+inline DoubleReg chosen_lt(DoubleReg a, DoubleReg b, DoubleReg x, DoubleReg y) {
+  return _mm256_blendv_pd(y, x, _mm256_cmp_pd(a, b, _CMP_LT_OQ));
+}
+inline double smallest(DoubleReg a) {
+  const __m128d two = _mm_min_pd(_mm256_castpd256_pd128(a), _mm256_extractf128_pd(a, 1));
+  return _mm_cvtsd_f64(_mm_min_sd(two, _mm_unpackhi_pd(two, two)));
 }
 
 #elif TREELINE_SIMD == 128
@@ -247,11 +282,25 @@ inline std::int32_t smallest(IntReg q) {
 inline DoubleReg load(const double* p) { return _mm_loadu_pd(p); }
 inline void store(double* p, DoubleReg a) { _mm_storeu_pd(p, a); }
 inline DoubleReg broadcast(double x) { return _mm_set1_pd(x); }
+inline DoubleReg add(DoubleReg a, DoubleReg b) { return _mm_add_pd(a, b); }
+inline DoubleReg sub(DoubleReg a, DoubleReg b) { return _mm_sub_pd(a, b); }
+inline DoubleReg mul(DoubleReg a, DoubleReg b) {
+  DoubleReg r = _mm_mul_pd(a, b);
+  asm("" : "+x"(r));
+  return r;
+}
+inline std::uint32_t bits_le(DoubleReg a, DoubleReg b) {
+  return static_cast<std::uint32_t>(_mm_movemask_pd(_mm_cmple_pd(a, b)));
+}
 inline DoubleReg max(DoubleReg a, DoubleReg b) { return _mm_max_pd(a, b); }
 inline DoubleReg min(DoubleReg a, DoubleReg b) { return _mm_min_pd(a, b); }
 inline DoubleReg moved_up(DoubleReg a, DoubleReg b) { return _mm_shuffle_pd(a, b, 0b01); }
 inline DoubleReg moved_up_two(DoubleReg a, DoubleReg) { return a; }
 inline double last_lane(DoubleReg a) { return _mm_cvtsd_f64(_mm_unpackhi_pd(a, a)); }
+inline DoubleReg chosen_lt(DoubleReg a, DoubleReg b, DoubleReg x, DoubleReg y) {
+  return _mm_blendv_pd(y, x, _mm_cmplt_pd(a, b));
+}
+inline double smallest(DoubleReg a) { return _mm_cvtsd_f64(_mm_min_sd(a, _mm_unpackhi_pd(a, a))); }
 
 #else
 
@@ -308,11 +357,27 @@ inline std::int32_t smallest(IntReg a) {
 inline DoubleReg load(const double* p) { return load_generic<DoubleReg>(p); }
 inline void store(double* p, DoubleReg a) { std::memcpy(p, &a, sizeof a); }
 inline DoubleReg broadcast(double x) { return DoubleReg{x, x}; }
+inline DoubleReg add(DoubleReg a, DoubleReg b) { return a + b; }
+inline DoubleReg sub(DoubleReg a, DoubleReg b) { return a - b; }
+inline DoubleReg mul(DoubleReg a, DoubleReg b) {
+  DoubleReg r = a * b;
+#if defined(__x86_64__)
+  asm("" : "+x"(r));
+#else
+  asm("" : "+m"(r));
+#endif
+  return r;
+}
+inline std::uint32_t bits_le(DoubleReg a, DoubleReg b) {
+  return (a[0] <= b[0] ? 1u : 0u) | (a[1] <= b[1] ? 2u : 0u);
+}
 inline DoubleReg max(DoubleReg a, DoubleReg b) { return a > b ? a : b; }
 inline DoubleReg min(DoubleReg a, DoubleReg b) { return a < b ? a : b; }
 inline DoubleReg moved_up(DoubleReg a, DoubleReg b) { return DoubleReg{a[1], b[0]}; }
 inline DoubleReg moved_up_two(DoubleReg a, DoubleReg) { return a; }
 inline double last_lane(DoubleReg a) { return a[1]; }
+inline DoubleReg chosen_lt(DoubleReg a, DoubleReg b, DoubleReg x, DoubleReg y) { return a < b ? x : y; }
+inline double smallest(DoubleReg a) { return a[0] < a[1] ? a[0] : a[1]; }
 
 #endif
 

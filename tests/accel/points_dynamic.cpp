@@ -11,27 +11,29 @@ namespace {
 
 template <class Tree>
 class PointDynamic : public testing::Test {};
-using DynamicTrees = testing::Types<KdTree<Points<float, 3>>, Bvh<Points<float, 3>, accel::Wide>>;
+using DynamicTrees = testing::Types<KdTree<Points<float, 3>>, Bvh<Points<float, 3>, accel::Wide>,
+                                    Bvh<Points<double, 3>, accel::Wide>>;
 TYPED_TEST_SUITE(PointDynamic, DynamicTrees);
 
-using Found = Neighbor<float>;
-using Brute = BruteForce<Points<float, 3>>;
-
 /// What is alive, in order of id, as brute force sees it.
+template <class T>
 struct Reference {
-  Vecs<float, 3> points;  // by id
+  using Found = Neighbor<T>;
+  using Brute = BruteForce<Points<T, 3>>;
+
+  Vecs<T, 3> points;  // by id
   std::vector<bool> there;
 
   template <class Forest>
   void expect_equal(const Forest& forest, geometry::Pcg32& random) const {
-    Vecs<float, 3> alive;
+    Vecs<T, 3> alive;
     std::vector<Id> ids;
     for (std::size_t i = 0; i < points.size(); ++i)
       if (there[i]) alive.push_back(points[i]), ids.push_back(static_cast<Id>(i));
     ASSERT_EQ(forest.size(), alive.size());
     const Brute brute(alive);
     for (int i = 0; i < 10; ++i) {
-      const auto q = uniform_point<float, 3>(random, -0.2f, 1.2f);
+      const auto q = uniform_point<T, 3>(random, T(-0.2), T(1.2));
       for (const std::size_t k : {1, 5, 40}) {
         std::vector<Found> got(k), want(k);
         const std::size_t n = forest.nearest(q, k, std::span<Found>(got));
@@ -39,12 +41,13 @@ struct Reference {
         for (std::size_t j = 0; j < n; ++j) EXPECT_EQ(got[j], (Found{want[j].distance2, ids[want[j].id]}));
       }
       std::vector<Found> got, want;
-      forest.within(q, 0.3f, got), brute.within(q, 0.3f, want);
+      forest.within(q, T(0.3), got), brute.within(q, T(0.3), want);
       for (Found& f : want) f.id = ids[f.id];
       std::sort(got.begin(), got.end()), std::sort(want.begin(), want.end());
       EXPECT_EQ(got, want);
       std::vector<Id> in, want_in;
-      const geometry::Box3f box{q - geometry::Vec3f::filled(0.2f), q + geometry::Vec3f::filled(0.2f)};
+      const geometry::Box<T, 3> box{q - geometry::Vec<T, 3>::filled(T(0.2)),
+                                    q + geometry::Vec<T, 3>::filled(T(0.2))};
       forest.inside(box, in), brute.inside(box, want_in);
       for (Id& id : want_in) id = ids[id];
       std::sort(in.begin(), in.end()), std::sort(want_in.begin(), want_in.end());
@@ -54,15 +57,16 @@ struct Reference {
 };
 
 TYPED_TEST(PointDynamic, AnyHistoryEqualsBruteForce) {
+  using T = typename TypeParam::Scalar;
   for (const std::uint64_t seed : {1, 2, 3}) {
     geometry::Pcg32 random(seed);
     DynamicPoints<TypeParam> forest({}, {.block = 8});
-    Reference reference;
+    Reference<T> reference;
     reference.expect_equal(forest, random);
     for (int step = 0; step < 60; ++step) {
       if (random.uniform() < 0.6) {
-        Vecs<float, 3> more(random.below(60));
-        for (auto& p : more) p = uniform_point<float, 3>(random);
+        Vecs<T, 3> more(random.below(60));
+        for (auto& p : more) p = uniform_point<T, 3>(random);
         if (more.size() > 3) more[1] = more[0];  // ties
         EXPECT_EQ(forest.insert(more), reference.points.size());
         reference.points.insert(reference.points.end(), more.begin(), more.end());
@@ -87,8 +91,9 @@ TYPED_TEST(PointDynamic, AnyHistoryEqualsBruteForce) {
 
 // One point at a time: few trees at any moment, and few rebuilds of each point in all.
 TYPED_TEST(PointDynamic, TreesAreLogarithmicallyMany) {
+  using T = typename TypeParam::Scalar;
   DynamicPoints<TypeParam> forest({}, {.block = 1});
-  const auto points = uniform_cloud<float, 3>(1000);
+  const auto points = uniform_cloud<T, 3>(1000);
   for (std::size_t i = 0; i < points.size(); ++i) {
     forest.insert(std::span(&points[i], 1));
     ASSERT_LE(std::size_t{1} << (forest.tree_count() - 1), i + 1);
@@ -96,11 +101,13 @@ TYPED_TEST(PointDynamic, TreesAreLogarithmicallyMany) {
 }
 
 TYPED_TEST(PointDynamic, BatchesEqualSingleQueriesAndRefuse) {
+  using T = typename TypeParam::Scalar;
+  using Found = Neighbor<T>;
   DynamicPoints<TypeParam> forest;
-  const auto points = uniform_cloud<float, 3>(3000);
+  const auto points = uniform_cloud<T, 3>(3000);
   forest.insert(points);
-  forest.insert(uniform_cloud<float, 3>(700, 2));
-  const auto queries = uniform_cloud<float, 3>(600, 3);
+  forest.insert(uniform_cloud<T, 3>(700, 2));
+  const auto queries = uniform_cloud<T, 3>(600, 3);
   std::vector<Found> one(7), batch(7 * queries.size()), two(7 * queries.size());
   forest.nearest(queries, 7, batch, 1), forest.nearest(queries, 7, two, 2);
   EXPECT_EQ(batch, two);
@@ -108,8 +115,8 @@ TYPED_TEST(PointDynamic, BatchesEqualSingleQueriesAndRefuse) {
     forest.nearest(queries[i], 7, one);
     for (std::size_t j = 0; j < 7; ++j) EXPECT_EQ(one[j], batch[7 * i + j]);
   }
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  const Vecs<float, 3> bad{{0, 0, 0}, {0, nan, 0}};
+  const T nan = std::numeric_limits<T>::quiet_NaN();
+  const Vecs<T, 3> bad{{0, 0, 0}, {0, nan, 0}};
   EXPECT_THROW(forest.insert(bad), InvalidInput);
   EXPECT_EQ(forest.size(), 3700u);
   EXPECT_THROW(forest.nearest(points[0], 0, one), InvalidInput);

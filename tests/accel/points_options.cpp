@@ -15,16 +15,19 @@ namespace {
 template <class Tree>
 class PointOptions : public testing::Test {};
 using F3 = Points<float, 3>;
-using AllTrees = testing::Types<BruteForce<F3>, KdTree<F3>, BspTree<F3>, Bvh<F3>, Bvh<F3, accel::Wide>>;
+using D3 = Points<double, 3>;
+using AllTrees = testing::Types<BruteForce<F3>, KdTree<F3>, BspTree<F3>, Bvh<F3>, Bvh<F3, accel::Wide>,
+                                BruteForce<D3>, Bvh<D3, accel::Wide>>;
 TYPED_TEST_SUITE(PointOptions, AllTrees);
 
-using Found = Neighbor<float>;
-constexpr double rounding = 1e-6;
+template <class T>
+inline constexpr double rounding = sizeof(T) == 4 ? 1e-6 : 1e-14;
 
 // Clouds whose distances float can tell apart; the others are ranked in a wider type, see the exact tests.
-std::vector<NamedCloud<float, 3>> ordinary_clouds() {
-  std::vector<NamedCloud<float, 3>> all;
-  for (auto& c : clouds<float, 3>())
+template <class T>
+std::vector<NamedCloud<T, 3>> ordinary_clouds() {
+  std::vector<NamedCloud<T, 3>> all;
+  for (auto& c : clouds<T, 3>())
     for (const char* name : {"first 0", "first 1", "first 9", "uniform", "few distinct", "all equal",
                              "axis line", "grid", "long box", "one far away", "tiny", "huge"})
       if (c.name == name) all.push_back(std::move(c));
@@ -32,19 +35,20 @@ std::vector<NamedCloud<float, 3>> ordinary_clouds() {
 }
 
 TYPED_TEST(PointOptions, NothingBeyondTheMaximalDistance) {
-  for (const auto& cloud : ordinary_clouds()) {
+  using T = typename TypeParam::Scalar;
+  for (const auto& cloud : ordinary_clouds<T>()) {
     SCOPED_TRACE(cloud.name);
     const TypeParam tree(cloud.points);
-    for (const auto& q : queries_for<float, 3>(cloud.points)) {
-      std::vector<Found> all(20), near(20);
+    for (const auto& q : queries_for<T, 3>(cloud.points)) {
+      std::vector<Neighbor<T>> all(20), near(20);
       const std::size_t n = tree.nearest(q, 20, all);
       for (const std::size_t i : {std::size_t{0}, n / 2, n}) {
         // Between two distances, so that no rounding decides.
         const double from = i > 0 ? std::sqrt(double(all[i - 1].distance2)) : 0;
         const double to = i < n ? std::sqrt(double(all[i].distance2)) : from * 2;
-        if (!(to > from * 1.001) || !(to < 1e38)) continue;
-        const auto radius = static_cast<float>((from + to) / 2);
-        const std::size_t found = tree.nearest(q, 20, NearestOptions<float>{.max_distance = radius}, near);
+        if (!(to > from * 1.001) || !(to < std::sqrt(double(std::numeric_limits<T>::max())))) continue;
+        const auto radius = static_cast<T>((from + to) / 2);
+        const std::size_t found = tree.nearest(q, 20, NearestOptions<T>{.max_distance = radius}, near);
         if (i == n && n == 20) continue;
         ASSERT_EQ(found, i);
         for (std::size_t j = 0; j < found; ++j) EXPECT_EQ(near[j], all[j]);
@@ -54,21 +58,22 @@ TYPED_TEST(PointOptions, NothingBeyondTheMaximalDistance) {
 }
 
 TYPED_TEST(PointOptions, EpsilonBoundsEachDistance) {
-  for (const auto& cloud : ordinary_clouds()) {
+  using T = typename TypeParam::Scalar;
+  for (const auto& cloud : ordinary_clouds<T>()) {
     SCOPED_TRACE(cloud.name);
     const TypeParam tree(cloud.points);
-    for (const auto& q : queries_for<float, 3>(cloud.points)) {
-      const auto truth = ranked<float, 3>(cloud.points, q);
+    for (const auto& q : queries_for<T, 3>(cloud.points)) {
+      const auto truth = ranked<T, 3>(cloud.points, q);
       for (const std::size_t k : {1, 8, 40})
         for (const double epsilon : {0.1, 1.0, 10.0, 1e30}) {
-          std::vector<Found> found(k);
-          const std::size_t n = tree.nearest(q, k, NearestOptions<float>{.epsilon = epsilon}, found);
+          std::vector<Neighbor<T>> found(k);
+          const std::size_t n = tree.nearest(q, k, NearestOptions<T>{.epsilon = epsilon}, found);
           ASSERT_EQ(n, std::min(k, cloud.points.size()));
           std::set<Id> ids;
           for (std::size_t i = 0; i < n; ++i) {
             EXPECT_TRUE(ids.insert(found[i].id).second);
-            const double distance = std::sqrt(double(wide_distance2<float, 3>(cloud.points[found[i].id], q)));
-            EXPECT_LE(distance, std::sqrt(double(truth[i].first)) * (1 + epsilon) * (1 + rounding));
+            const double distance = std::sqrt(double(wide_distance2<T, 3>(cloud.points[found[i].id], q)));
+            EXPECT_LE(distance, std::sqrt(double(truth[i].first)) * (1 + epsilon) * (1 + rounding<T>));
           }
         }
     }
@@ -76,17 +81,18 @@ TYPED_TEST(PointOptions, EpsilonBoundsEachDistance) {
 }
 
 TYPED_TEST(PointOptions, MoreLeavesAreNeverWorseAndEnoughAreExact) {
-  for (const auto& cloud : ordinary_clouds()) {
+  using T = typename TypeParam::Scalar;
+  for (const auto& cloud : ordinary_clouds<T>()) {
     SCOPED_TRACE(cloud.name);
     const TypeParam tree(cloud.points);
-    for (const auto& q : queries_for<float, 3>(cloud.points, 3)) {
-      std::vector<Found> exact(8), found(8);
+    for (const auto& q : queries_for<T, 3>(cloud.points, 3)) {
+      std::vector<Neighbor<T>> exact(8), found(8);
       const std::size_t n = tree.nearest(q, 8, exact);
-      float last = std::numeric_limits<float>::infinity();
+      T last = std::numeric_limits<T>::infinity();
       for (const std::size_t leaves : {1, 2, 4, 16, 100000}) {
-        const std::size_t m = tree.nearest(q, 8, NearestOptions<float>{.max_leaves = leaves}, found);
+        const std::size_t m = tree.nearest(q, 8, NearestOptions<T>{.max_leaves = leaves}, found);
         ASSERT_EQ(m, n);
-        const float worst = n > 0 ? found[n - 1].distance2 : 0;
+        const T worst = n > 0 ? found[n - 1].distance2 : 0;
         EXPECT_LE(worst, last);
         last = worst;
         for (std::size_t i = 0; i < m; ++i) EXPECT_GE(found[i].distance2, exact[i].distance2);
@@ -99,14 +105,15 @@ TYPED_TEST(PointOptions, MoreLeavesAreNeverWorseAndEnoughAreExact) {
 }
 
 TYPED_TEST(PointOptions, BatchesAnswerAsSingleQueriesDo) {
-  for (const auto& cloud : ordinary_clouds()) {
+  using T = typename TypeParam::Scalar;
+  for (const auto& cloud : ordinary_clouds<T>()) {
     SCOPED_TRACE(cloud.name);
     const TypeParam tree(cloud.points);
-    const auto queries = queries_for<float, 3>(cloud.points);
-    for (const NearestOptions<float>& options :
-         {NearestOptions<float>{.max_distance = 0.05f}, NearestOptions<float>{.epsilon = 0.5},
-          NearestOptions<float>{.max_leaves = 2}}) {
-      std::vector<Found> batch(queries.size() * 6), one(6);
+    const auto queries = queries_for<T, 3>(cloud.points);
+    for (const NearestOptions<T>& options :
+         {NearestOptions<T>{.max_distance = T(0.05)}, NearestOptions<T>{.epsilon = 0.5},
+          NearestOptions<T>{.max_leaves = 2}}) {
+      std::vector<Neighbor<T>> batch(queries.size() * 6), one(6);
       tree.nearest(queries, 6, options, batch, 2);
       for (std::size_t i = 0; i < queries.size(); ++i) {
         one.assign(6, {});
@@ -118,13 +125,14 @@ TYPED_TEST(PointOptions, BatchesAnswerAsSingleQueriesDo) {
 }
 
 TYPED_TEST(PointOptions, ListsCountsAndSquaredRadiiAgree) {
-  for (const auto& cloud : ordinary_clouds()) {
+  using T = typename TypeParam::Scalar;
+  for (const auto& cloud : ordinary_clouds<T>()) {
     SCOPED_TRACE(cloud.name);
     const TypeParam tree(cloud.points);
-    for (const auto& q : queries_for<float, 3>(cloud.points, 3)) {
-      std::vector<Found> ten(10), all, some;
+    for (const auto& q : queries_for<T, 3>(cloud.points, 3)) {
+      std::vector<Neighbor<T>> ten(10), all, some;
       const std::size_t n = tree.nearest(q, 10, ten);
-      const float radius = n > 0 ? std::sqrt(ten[n - 1].distance2) : 1.0f;
+      const T radius = n > 0 ? std::sqrt(ten[n - 1].distance2) : T(1);
       tree.within(q, radius, WithinOptions{.sorted = true}, all);
       EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));
       EXPECT_EQ(tree.count_within(q, radius), all.size());
@@ -135,24 +143,25 @@ TYPED_TEST(PointOptions, ListsCountsAndSquaredRadiiAgree) {
       if (n == 0 || !std::isnormal(ten[n - 1].distance2)) continue;
       tree.within_squared(q, ten[n - 1].distance2, some);  // inclusive: the tenth itself is in
       EXPECT_GE(some.size(), n);
-      for (const Found& f : some) EXPECT_LE(f.distance2, ten[n - 1].distance2);
+      for (const Neighbor<T>& f : some) EXPECT_LE(f.distance2, ten[n - 1].distance2);
     }
-    EXPECT_EQ(tree.count_within({}, std::numeric_limits<float>::infinity()), cloud.points.size());
+    EXPECT_EQ(tree.count_within({}, std::numeric_limits<T>::infinity()), cloud.points.size());
   }
 }
 
 // Each point's own neighbours are those of a query at it, itself left out.
 TYPED_TEST(PointOptions, NeighboursOfAllLeaveThePointItselfOut) {
-  for (const auto& cloud : ordinary_clouds())
+  using T = typename TypeParam::Scalar;
+  for (const auto& cloud : ordinary_clouds<T>())
     for (const int threads : {1, 2}) {
       SCOPED_TRACE(cloud.name);
       const TypeParam tree(cloud.points);
       for (const std::size_t k : {1, 6}) {
-        std::vector<Found> all(k * cloud.points.size()), row(k + 1);
+        std::vector<Neighbor<T>> all(k * cloud.points.size()), row(k + 1);
         tree.nearest_of_all(k, all, threads);
         for (std::size_t i = 0; i < cloud.points.size(); ++i) {
           const std::size_t n = tree.nearest(cloud.points[i], k + 1, row);
-          std::vector<Found> others;
+          std::vector<Neighbor<T>> others;
           for (std::size_t j = 0; j < n; ++j)
             if (row[j].id != i) others.push_back(row[j]);
           others.resize(k);  // k + 1 equal points of lower id: the last is one too many
@@ -160,23 +169,24 @@ TYPED_TEST(PointOptions, NeighboursOfAllLeaveThePointItselfOut) {
         }
       }
     }
-  const TypeParam tree(uniform_cloud<float, 3>(10));
-  std::vector<Found> small(9);
+  const TypeParam tree(uniform_cloud<T, 3>(10));
+  std::vector<Neighbor<T>> small(9);
   EXPECT_THROW(tree.nearest_of_all(1, small), InvalidInput);
 }
 
 TYPED_TEST(PointOptions, SenselessLimitsAreRefused) {
-  const TypeParam tree(uniform_cloud<float, 3>(50));
-  std::vector<Found> out(3);
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  for (const NearestOptions<float>& options :
-       {NearestOptions<float>{.max_distance = -1}, NearestOptions<float>{.max_distance = nan},
-        NearestOptions<float>{.epsilon = -0.1}, NearestOptions<float>{.epsilon = double(nan)},
-        NearestOptions<float>{.max_leaves = 0}}) {
-    EXPECT_THROW(tree.nearest(geometry::Vec3f{}, 3, options, out), InvalidInput);
-    EXPECT_THROW(tree.nearest(std::span<const geometry::Vec3f>{}, 3, options, out), InvalidInput);
+  using T = typename TypeParam::Scalar;
+  const TypeParam tree(uniform_cloud<T, 3>(50));
+  std::vector<Neighbor<T>> out(3);
+  const T nan = std::numeric_limits<T>::quiet_NaN();
+  for (const NearestOptions<T>& options :
+       {NearestOptions<T>{.max_distance = -1}, NearestOptions<T>{.max_distance = nan},
+        NearestOptions<T>{.epsilon = -0.1}, NearestOptions<T>{.epsilon = double(nan)},
+        NearestOptions<T>{.max_leaves = 0}}) {
+    EXPECT_THROW(tree.nearest(geometry::Vec<T, 3>{}, 3, options, out), InvalidInput);
+    EXPECT_THROW(tree.nearest(std::span<const geometry::Vec<T, 3>>{}, 3, options, out), InvalidInput);
   }
-  std::vector<Found> list;
+  std::vector<Neighbor<T>> list;
   EXPECT_THROW(tree.count_within({}, -1), InvalidInput);
   EXPECT_THROW(tree.within_squared({}, -1, list), InvalidInput);
 }

@@ -83,14 +83,12 @@ Trees<T, D> all_trees(const Vecs<T, D>& points, int leaf_size, NonFinite non_fin
   add(std::type_identity<Bvh<P>>{}, "bvh sah", Bv{{}, Bv::Split::sah});
   add(std::type_identity<Bvh<P>>{}, "bvh rank, balls", Bv{{}, Bv::Split::rank, Bv::Bounds::ball});
   add(std::type_identity<Bvh<P>>{}, "bvh sah, balls", Bv{{}, Bv::Split::sah, Bv::Bounds::ball});
-  if constexpr (std::is_same_v<T, float>) {
-    WidePointOptions wide;
-    add(std::type_identity<Bvh<P, accel::Wide>>{}, "bvh wide", wide);
-    wide.split = WidePointOptions::Split::perimeter;
-    add(std::type_identity<Bvh<P, accel::Wide>>{}, "bvh wide, by perimeter", wide);
-    wide.threads = 2;
-    add(std::type_identity<Bvh<P, accel::Wide>>{}, "bvh wide, built by two", wide);
-  }
+  WidePointOptions wide;
+  add(std::type_identity<Bvh<P, accel::Wide>>{}, "bvh wide", wide);
+  wide.split = WidePointOptions::Split::perimeter;
+  add(std::type_identity<Bvh<P, accel::Wide>>{}, "bvh wide, by perimeter", wide);
+  wide.threads = 2;
+  add(std::type_identity<Bvh<P, accel::Wide>>{}, "bvh wide, built by two", wide);
   return trees;
 }
 

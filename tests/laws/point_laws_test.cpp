@@ -185,6 +185,9 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Double3, PointLaws, Double3);
 using WideFloat =
     testing::Types<accel::Bvh<Points<float, 3>, accel::Wide>, accel::Bvh<Points<float, 2>, accel::Wide>>;
 INSTANTIATE_TYPED_TEST_SUITE_P(WideFloat, PointLaws, WideFloat);
+using WideDouble =
+    testing::Types<accel::Bvh<Points<double, 3>, accel::Wide>, accel::Bvh<Points<double, 2>, accel::Wide>>;
+INSTANTIATE_TYPED_TEST_SUITE_P(WideDouble, PointLaws, WideDouble);
 
 /// The same trees with the bounds that are not their default.
 template <class P>
