@@ -43,7 +43,8 @@ struct BlockFacts {
 };
 BlockFacts facts_of(const BlockSpec&, const Block&);
 
-/// All cells of a block, methods in the task's order, then build knobs, query sets and query knobs.
+/// All cells of a block, methods in the task's order, then build knobs, query sets and query knobs. Of a hard
+/// case also those that MethodInfo::sweep_up_to_n leaves out, as `unsupported`.
 std::vector<Cell> cells_of(const Task&, const BlockFacts&, int threads);
 /// The rows of the peers that this build lacks, one a query set.
 std::vector<Cell> not_built_cells(const Task&, const BlockFacts&, int threads);

@@ -58,7 +58,10 @@ std::unique_ptr<Block> KnnDynamicTask::open(const BlockSpec& spec, const RunCont
 }
 
 std::unique_ptr<Block> KnnDynamicTask::open(datasets::Dataset dataset, const RunContext& context) const {
-  if (dataset.kind == datasets::Kind::mesh) dataset.cloud.points = std::move(dataset.mesh.vertices);
+  if (dataset.kind == datasets::Kind::mesh) {
+    dataset.cloud.points = std::move(dataset.mesh.vertices);
+    dataset.kind = datasets::Kind::cloud, dataset.mesh = {};
+  }
   return open_block(methods_, std::move(dataset), context);
 }
 
