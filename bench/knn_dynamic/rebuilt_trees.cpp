@@ -38,7 +38,8 @@ using Points = accel::Points<float, 3>;
 [[maybe_unused]] const bool registered =
     Registry<Method>::instance().add({.info = {.name = "brute", .family = "brute", .largest_n = 10'000},
                                       .make = make<accel::BruteForce<Points>>,
-                                      .by_the_piece = false}) &&
+                                      .by_the_piece = false,
+                                      .keeps = false}) &&
     Registry<Method>::instance().add({.info = {.name = "rebuilt_bvh_wide", .family = "bvh", .ladder = 1},
                                       .make = make<accel::Bvh<Points, accel::Wide>>,
                                       .by_the_piece = false});

@@ -48,7 +48,7 @@ labelled with their threads."""
 
 
 def _threads(task, numbers, width, legend):
-    rows = [r for r in task.scaling if r.run == (task.runs or [0])[0]]
+    rows = [r for r in task.scaling if r.run == task.scaling[0].run]
     most = max((r.threads for r in rows), default=1)
     if most < 2:
         return None

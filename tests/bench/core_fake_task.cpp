@@ -169,7 +169,7 @@ FakeTask::FakeTask() {
     if (info.name == "segfault_late") info.query_knobs = {Knobs::object(), {{"late", true}}};
     if (info.name == "small_only") info.largest_n = 500;
     if (info.name == "rough") info.scales = false;
-    if (info.name == "close") info.sweep_up_to_n = 40, info.stress_builds = {0, 1};
+    if (info.name == "close" && in_stress()) info.sweep_up_to_n = 40, info.stress_builds = {0, 1};
     methods_.push_back(info);
   };
   for (const Behaviour& b : calm) {

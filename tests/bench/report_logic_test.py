@@ -293,6 +293,23 @@ class Claims(unittest.TestCase):
             self.assertIn(f"{contest}: {claims.PLACES['off']}", v.condition)
         self.assertNotIn(claims.PLACES["self"], v.condition)
 
+    def test_a_size_at_which_it_fails_is_not_averaged_away(self):
+        entries = self.trees(50, 200, sizes=(1000,)) + self.trees(105, 100, sizes=(100_000,))
+        v = self.verdict("S1", entries)
+        self.assertTrue(all(supports for *_, supports in v.figures))  # over both sizes together
+        self.assertEqual(v.word, claims.ONLY_IF)
+        self.assertIn("(at 1k points)", v.condition)
+        self.assertEqual(set(v.spread), {("1k 0.25, 100k 1.05", "")})
+
+    def test_clouds_that_contradict_are_named(self):
+        v = self.verdict("S1", self.trees(20, 100, datasets=EVEN[:2]) + self.trees(150, 100, datasets=EVEN[2:]))
+        self.assertEqual({against for _, against in v.spread}, {"grid 1.5"})
+
+    def test_a_rival_that_was_not_there_is_told(self):
+        entries = self.trees(100, 200, sizes=(1000, 2000))
+        v = self.verdict("S1", [e for e in entries if e["family"] != "bsp" or e["n"] == 1000])
+        self.assertIn("without bsp_tree among the binary trees at 2k points", v.coverage)
+
     def test_the_best_of_each_family_is_another_contest(self):
         wide = [made(("bvh16", "bvh", "ours", "exact"), 20, dataset=d, query_set=s) for d in EVEN for s in ASKED]
         v = self.verdict("S1", self.trees(100, 200) + wide)
