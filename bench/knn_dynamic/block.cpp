@@ -55,7 +55,7 @@ class DynamicSubject final : public Subject {
     const Set& set = opening_.sets[number];
     if (set.asks == Set::Asks::nothing && !method_.keeps && !opening_.must_answer)
       throw Unsupported("keeps no index: a change alone costs it nothing that compares");
-    if (set.batch == 1 && !method_.by_the_piece && opening_.pool.size() > 1)
+    if (set.batch == 1 && !method_.by_the_piece && !opening_.must_answer)
       throw Unsupported("a build of everything for each point that comes is not waited for");
     if (!refusal_.empty() && !at_once_) return;
     refusal_.clear();
