@@ -70,7 +70,8 @@ std::vector<Cell> cells_of(const Task& task, const BlockFacts& facts, int thread
           cell.name = cell_name(row);
           if (beyond_sweep) {  // the matrix of hard cases has a place for it, and should say why it is empty
             row.status = Status::unsupported;
-            row.reason = fmt::format("above n = {} only the first of its builds is tried", methods[m].sweep_up_to_n);
+            row.reason =
+                fmt::format("above n = {} only the first of its builds is tried", methods[m].sweep_up_to_n);
           }
           out.push_back(std::move(cell));
         }

@@ -79,8 +79,9 @@ int Program::run() {
   }
   if (!options_.rows.empty()) file_ = RowFile(options_.rows, options_.resume, task_.name());
   if (!file_.other_build().empty())
-    fmt::print(stderr, "{}: warning: continues rows of another build of this program ({}): their times may not "
-                       "compare\n",
+    fmt::print(stderr,
+               "{}: warning: continues rows of another build of this program ({}): their times may not "
+               "compare\n",
                options_.rows, file_.other_build());
   if (options_.advise) return run_advice();
   options_.stress ? run_stress() : options_.scaling ? run_scaling() : run_blocks();
@@ -168,8 +169,8 @@ void Program::run_scaling() {
     for (const int threads : thread_counts()) {
       Options options = options_;
       options.context.threads = threads;
-      const auto rows = Harness(task_, options, filter_, file_, timer)
-                            .run(facts_of(specs[k], *block), *block, progress);
+      const auto rows =
+          Harness(task_, options, filter_, file_, timer).run(facts_of(specs[k], *block), *block, progress);
       outcome_.add(rows, true);
       show(rows, progress);
     }

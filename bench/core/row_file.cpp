@@ -60,10 +60,11 @@ void RowFile::check_origin(const nlohmann::ordered_json& row) {
   const auto differs = [&](const char* field) { return row.contains(field) && row[field] != here[field]; };
   for (const char* field : {"host", "cpu", "isa"})
     if (differs(field))
-      throw std::runtime_error(fmt::format("it was measured elsewhere ({} '{}', here '{}'), and times of two "
-                                           "machines do not compare; choose another file, and merge them "
-                                           "afterwards",
-                                           field, text(row[field]), text(here[field])));
+      throw std::runtime_error(
+          fmt::format("it was measured elsewhere ({} '{}', here '{}'), and times of two "
+                      "machines do not compare; choose another file, and merge them "
+                      "afterwards",
+                      field, text(row[field]), text(here[field])));
   if (!other_build_.empty()) return;
   for (const char* field : {"commit", "compiler", "flags"})
     if (differs(field))

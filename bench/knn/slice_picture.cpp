@@ -71,13 +71,16 @@ std::string slice_caption(const std::vector<accel::SliceCell>& cells, const Knob
       cells.begin(), cells.end(), [](const auto& a, const auto& b) { return a.depth < b.depth; });
   std::string built;
   for (const auto& [name, value] : knobs.items())
-    built += (built.empty() ? "" : ", ") + name + " " + (value.is_string() ? value.get<std::string>() : value.dump());
-  std::string text = "The plane through the middle of the cloud across its shortest side. Outlines are leaves' cells, "
-                     "light where they lie shallow (depth " +
-                     std::to_string(shallowest->depth) + ") and dark where deep (" +
-                     std::to_string(deepest->depth) + "); dots are points within " + svg_number(100 * near_plane) +
-                     " % of the cloud's width of the plane.";
-  if (cells.size() > most_cells) text += " Only the first " + std::to_string(most_cells) + " cells are drawn.";
+    built += (built.empty() ? "" : ", ") + name + " " +
+             (value.is_string() ? value.get<std::string>() : value.dump());
+  const std::string least = std::to_string(shallowest->depth), most = std::to_string(deepest->depth);
+  std::string text =
+      "The plane through the middle of the cloud across its shortest side. Outlines are leaves' cells, " +
+      (least == most ? "all at depth " + least
+                     : "light where they lie shallow (depth " + least + "), dark where deep (" + most + ")") +
+      "; dots are points within " + svg_figure(100 * near_plane) + " % of the cloud's width of the plane.";
+  if (cells.size() > most_cells)
+    text += " Only the first " + std::to_string(most_cells) + " cells are drawn.";
   return built.empty() ? text : text + " Built with " + built + ".";
 }
 

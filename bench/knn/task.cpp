@@ -36,7 +36,9 @@ Asked asked(Profile profile) {
 
 // For thread scaling: batches of some ten milliseconds, against which waking a thread is nothing.
 Asked asked_by_threads(Profile profile) {
-  return {profile == Profile::smoke ? 100u : profile == Profile::quick ? 10'000u : 100'000u,
+  return {profile == Profile::smoke   ? 100u
+          : profile == Profile::quick ? 10'000u
+                                      : 100'000u,
           {"knn8_self", "radius_self"},
           "_threads"};
 }

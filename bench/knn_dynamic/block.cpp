@@ -17,8 +17,8 @@ constexpr std::size_t judged_queries = 200;  // of a set
 constexpr std::size_t judged_moments = 4;    // of a life in which questions are asked
 constexpr std::size_t asked_after = 2000;    // queries of the set knn8_after
 
-// Where a life stops for queries alone: 7 eighths through it and a bit, so that a forest is not at a moment at
-// which it happens to be one tree.
+// Where a life stops for queries alone: 7 eighths through it and a bit, so that a forest is not at a moment
+// at which it happens to be one tree.
 std::size_t stop_of(const Life& life) { return life.steps.size() * 7 / 8 - life.steps.size() / 64; }
 
 /// One way to live and what is asked.
@@ -300,8 +300,8 @@ std::unique_ptr<Block> open_hard_block(const std::vector<Method>& methods, datas
   o.queries = std::move(hard_case.queries);
   o.must_answer = true;
   const std::size_t batch = std::max<std::size_t>(1, o.pool.size() / 8);
-  o.sets.push_back({"batches4", batch, Set::Asks::nothing,
-                    life_of(o.pool.size(), batch, Goes::oldest, context.seed)});
+  o.sets.push_back(
+      {"batches4", batch, Set::Asks::nothing, life_of(o.pool.size(), batch, Goes::oldest, context.seed)});
   return std::make_unique<DynamicBlock>(methods, std::move(o));
 }
 

@@ -28,8 +28,7 @@ class Forest final : public Index {
     points_.insert(pool_.subspan(first, last - first));
   }
 
-  void nearest(std::span<const Vec3f> queries, std::size_t k, int threads,
-               std::span<Id> ids) const override {
+  void nearest(std::span<const Vec3f> queries, std::size_t k, int threads, std::span<Id> ids) const override {
     std::vector<Neighbor> found(queries.size() * k);
     points_.nearest(queries, k, found, threads);
     for (std::size_t i = 0; i < found.size(); ++i) ids[i] = found[i].id;
@@ -45,7 +44,7 @@ class Forest final : public Index {
 [[maybe_unused]] const bool registered = Registry<Method>::instance().add(
     {.info = {.name = "forest_bvh_wide",
               .family = "bvh",
-              .build_knobs = {{{"block", 256}}, {{"block", 64}}, {{"block", 1024}}},
+              .build_knobs = {{{"block", 64}}, {{"block", 256}}, {{"block", 16}}},
               .ladder = 2,
               .quick_builds = 2},
      .make = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {

@@ -36,8 +36,8 @@ struct Input {
 };
 
 /// A method: what it is, and how to make it, empty. Where points come one by one, `by_the_piece` says whether
-/// it is tried: rebuilding n points n times over takes minutes and would tell nothing new. `keeps` says whether
-/// it keeps anything up to date: if not, a change alone has no cost to compare.
+/// it is tried: rebuilding n points n times over takes minutes and would tell nothing new. `keeps` says
+/// whether it keeps anything up to date: if not, a change alone has no cost to compare.
 struct Method {
   MethodInfo info;
   std::unique_ptr<Index> (*make)(const Input&, const Knobs& build_knobs) = nullptr;

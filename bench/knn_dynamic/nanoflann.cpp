@@ -72,8 +72,7 @@ class Dynamic final : public Index {
     if (last > first) trees_.addPoints(first, last - 1);
   }
 
-  void nearest(std::span<const Vec3f> queries, std::size_t k, int threads,
-               std::span<Id> ids) const override {
+  void nearest(std::span<const Vec3f> queries, std::size_t k, int threads, std::span<Id> ids) const override {
     nearest_of(trees_, queries, k, threads, ids);
   }
 

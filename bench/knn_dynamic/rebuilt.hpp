@@ -1,7 +1,7 @@
 // A static index made anew after every change: what a user does who has no dynamic one.
 //
-// Holds the points that are there, packed, and their ids; what goes leaves its place to the last one. A change
-// costs a build of all points, however few of them changed; queries are as fast as they can be.
+// Holds the points that are there, packed, and their ids; what goes leaves its place to the last one. A
+// change costs a build of all points, however few of them changed; queries are as fast as they can be.
 #pragma once
 
 #include <vector>
@@ -31,8 +31,7 @@ class Rebuilt final : public Index {
     index_ = std::make_unique<Static>(std::span<const Vec3f>(points_), knobs_, input_.threads);
   }
 
-  void nearest(std::span<const Vec3f> queries, std::size_t k, int threads,
-               std::span<Id> ids) const override {
+  void nearest(std::span<const Vec3f> queries, std::size_t k, int threads, std::span<Id> ids) const override {
     if (!index_) return;
     index_->nearest(queries, k, threads, ids);
     for (Id& id : ids)

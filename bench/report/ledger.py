@@ -11,8 +11,8 @@ CLASSES = {claims.HOLDS: "ours", claims.ONLY_IF: "even", claims.FAILS: "peer", c
 NOTE = f"""Sentences that courses and handbooks repeat, each held against the rows of this report. Two contests decide:
 {"; and ".join(claims.CONTESTS.values())}. A figure is the favoured structure's time over its fastest rival's, the geometric
 mean of a group: below 1 it wins. A group supports the sentence if that mean is below {1 / claims.NEAR:.2f} and at least
-{claims.AGREEING:.0%} of its comparisons do not contradict it. Every group supports, at every size: it holds; some do, or at some size: it holds only if; none
-does: it does not hold."""
+{claims.AGREEING:.0%} of its comparisons do not contradict it. Every group supports, at every size: it holds; some do, or
+at some size: it holds only if; none does: it does not hold."""
 
 
 def section(rows):

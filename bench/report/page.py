@@ -207,5 +207,6 @@ def _card(task, k, dataset, listed):
                     for name, kind in listed)  # fmt: skip
     return (f'<article class="card" id="{task.name}-{k}" data-task="{task.name}" data-dataset="{esc(dataset)}">'
             f'<h3>{esc(dataset)} <small class="size"></small></h3><div class="grid">{boxes}</div>'
-            f'{pieces.rungs(task, dataset)}<p class="absent"></p><details class="all"><summary>Table of all figures</summary><div class="scroll figures"></div>'
+            f'{pieces.rungs(task, dataset)}<p class="absent"></p><details class="all"><summary>Table of all figures</summary>'
+            '<div class="scroll figures"></div>'
             "</details></article>")  # fmt: skip

@@ -51,8 +51,8 @@ def winners_table(task, run):
         if any(of_dataset):
             size = next(w.size for w in of_dataset if w)
             row = "".join(_winner(task, k, s, w) for s, w in zip(sets, of_dataset))
-            lines.append(f'<tr><th scope=row><a href="#{task.name}-{k}">{_breakable(dataset)}</a> <small>{count(size)}</small>'
-                         f"</th>{row}</tr>")  # fmt: skip
+            name = f'<a href="#{task.name}-{k}">{_breakable(dataset)}</a>'
+            lines.append(f"<tr><th scope=row>{name} <small>{count(size)}</small></th>{row}</tr>")
     mean = mean_ratio(found)
     foot = f"Geometric mean of the ratios: ours runs at <b>{mean:.2f}×</b> the speed of the best peer. " if mean else ""
     return (f'<div class="scroll"><table class="winners"><thead><tr><th scope=col>dataset</th>{head}</tr></thead>'
@@ -106,8 +106,9 @@ def rungs(task, dataset):
     heads = ("query set", "our rung", "recall", "time", "FLANN's fastest of that recall", "FLANN / ours", "FLANN's frontier")
     head = "".join(f"<th scope=col>{h}</th>" for h in heads)
     every = [r for found in by_set.values() for r in found]
-    return (f'<p class="rungs-told"><b>Approximate rungs</b> at {count(size)} {task.text.element}s, all nearest-neighbour sets: '
-            f"{esc(approximate.summary(every))}</p><details><summary>Each rung at its recall</summary>"
+    where = f"at {count(size)} {task.text.element}s, all nearest-neighbour sets"
+    return (f'<p class="rungs-told"><b>Approximate rungs</b> {where}: {esc(approximate.summary(every))}</p>'
+            "<details><summary>Each rung at its recall</summary>"
             f'<div class="scroll"><table class="plain"><thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody>'
             "</table></div></details>")  # fmt: skip
 

@@ -41,8 +41,7 @@ constexpr std::string_view markable[] = {"ply", "obj", "off", "xyz", "txt", "csv
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 void take_mark_off(Input& in, const std::string& extension) {
-  if (!in.bytes.starts_with(byte_order_mark) ||
-      std::ranges::find(markable, extension) == std::end(markable))
+  if (!in.bytes.starts_with(byte_order_mark) || std::ranges::find(markable, extension) == std::end(markable))
     return;
   in.bytes.erase(0, byte_order_mark.size());
   in.marked = true;

@@ -31,14 +31,13 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"--threads 0", "--threads"}, Bad{"--threads two", "--threads"}, Bad{"--seed -1", "--seed"},
         Bad{"--seed x", "--seed"}, Bad{"--seed 18446744073709551616", "--seed"}, Bad{"--seed 1.5", "--seed"},
         Bad{"--scaling --stress", "--scaling"}, Bad{"--scaling --threads 2", "--scaling"},
-        Bad{"--dataset nowhere", "nowhere"},
-        Bad{"--dataset counting:many", "many"}, Bad{"--dataset counting:-5", "-5"},
-        Bad{"--block 0", "--block"}, Bad{"--block 3", "--block 3"}, Bad{"--block x", "--block"},
-        Bad{"--advise 1e-3", "--advise"}, Bad{"--advise -1 --dataset counting", "--advise"},
-        Bad{"--advise nan --dataset counting", "--advise"}, Bad{"--advise x --dataset counting", "--advise"},
-        Bad{"--input ''", "--input"}, Bad{"--input '' --dataset counting", "--input"},
-        Bad{"--advise '' --dataset counting", "--advise"}, Bad{"--rows ''", "--rows"},
-        Bad{"--stress --stress-seconds -1", "--stress-seconds"},
+        Bad{"--dataset nowhere", "nowhere"}, Bad{"--dataset counting:many", "many"},
+        Bad{"--dataset counting:-5", "-5"}, Bad{"--block 0", "--block"}, Bad{"--block 3", "--block 3"},
+        Bad{"--block x", "--block"}, Bad{"--advise 1e-3", "--advise"},
+        Bad{"--advise -1 --dataset counting", "--advise"}, Bad{"--advise nan --dataset counting", "--advise"},
+        Bad{"--advise x --dataset counting", "--advise"}, Bad{"--input ''", "--input"},
+        Bad{"--input '' --dataset counting", "--input"}, Bad{"--advise '' --dataset counting", "--advise"},
+        Bad{"--rows ''", "--rows"}, Bad{"--stress --stress-seconds -1", "--stress-seconds"},
         Bad{"--stress --stress-seconds nan", "--stress-seconds"},
         Bad{"--stress --stress-bytes 0", "--stress-bytes"},
         Bad{"--benchmark_repetitions=-1", "--benchmark_repetitions"},
@@ -67,8 +66,8 @@ TEST(CommandLine, RowsCarryTheThreadsThatThereAre) {
 TEST(CommandLine, EverySeedOf64BitsIsTaken) {
   const TemporaryFolder folder;
   for (const std::string seed : {"0", "18446744073709551615"}) {
-    const auto run = run_fake("--profile smoke --benchmark_filter=/exact/ --seed " + seed + " --rows " +
-                              (folder / seed));
+    const auto run =
+        run_fake("--profile smoke --benchmark_filter=/exact/ --seed " + seed + " --rows " + (folder / seed));
     EXPECT_EQ(run.status, 0) << run.err;
     for (const Json& row : read_rows(folder / seed)) EXPECT_EQ(row["seed"].dump(), seed);
   }

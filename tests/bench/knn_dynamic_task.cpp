@@ -33,7 +33,8 @@ TEST(Life, AllComeInOrderAndAsManyGoAsComeOnceHalfAreThere) {
         std::set<Id> there;
         Id next = 0;
         for (std::size_t s = 0; s < life.steps.size(); ++s) {
-          for (const Id id : life.gone_in(s)) ASSERT_EQ(there.erase(id), 1u) << id << " goes, but is not there";
+          for (const Id id : life.gone_in(s))
+            ASSERT_EQ(there.erase(id), 1u) << id << " goes, but is not there";
           ASSERT_EQ(life.steps[s].first, next);
           for (; next < life.steps[s].last; ++next) there.insert(next);
           ASSERT_EQ(there.size(), std::min<std::size_t>(next, half)) << pool << " in batches of " << batch;
@@ -145,7 +146,8 @@ std::set<std::string> sets_found_wrong(const Method& method) {
   std::set<std::string> wrong;
   for (std::size_t q = 0; q < block->query_sets().size(); ++q) {
     subject->run(q, Knobs::object(), 1);
-    if (!block->check(0, *subject, q, Knobs::object()).within_claim) wrong.insert(block->query_sets()[q].name);
+    if (!block->check(0, *subject, q, Knobs::object()).within_claim)
+      wrong.insert(block->query_sets()[q].name);
   }
   return wrong;
 }
@@ -191,7 +193,8 @@ TEST(KnnDynamicProgram, SmokeProfileEndsWellAndWritesBatches) {
   std::set<double> batches;
   for (std::string line; std::getline(in, line);) {
     const auto row = nlohmann::json::parse(line);
-    EXPECT_TRUE(row["status"] == "ok" || row["status"] == "unsupported" || row["status"] == "not_built") << line;
+    EXPECT_TRUE(row["status"] == "ok" || row["status"] == "unsupported" || row["status"] == "not_built")
+        << line;
     if (row["method"] == "forest_bvh_wide" && row["knn_dynamic_batch"].is_number())
       batches.insert(row["knn_dynamic_batch"].get<double>());
   }

@@ -248,9 +248,10 @@ TEST_F(Hostile, CutAndChangedFilesNeverCrash) {
 // Spreadsheets and editors of one system put it in front of text.
 TEST_F(Hostile, AByteOrderMarkIsReadOver) {
   const std::string mark = "\xEF\xBB\xBF";
-  const std::string ply_head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-                               "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
-                               "end_header\n";
+  const std::string ply_head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+      "end_header\n";
   const std::pair<std::string, std::string> files[] = {
       {"a.csv", "x,y,z\n0,0,0\n1,0,0\n0,1,0\n"},
       {"b.xyz", "0 0 0\n1 0 0\n0 1 0\n"},
