@@ -9,9 +9,9 @@
 namespace treeline::bench {
 namespace {
 
-std::string cell_name(const Row& row) {
-  return fmt::format("{}/{}/{}/{}/{}", row.block, row.query_set, row.method, format_knobs(row.build_knobs),
-                     format_knobs(row.query_knobs));
+std::string cell_name(const Row& row, bool scaling) {
+  return fmt::format("{}/{}/{}/{}/{}{}", row.block, row.query_set, row.method, format_knobs(row.build_knobs),
+                     format_knobs(row.query_knobs), scaling ? fmt::format("/{}", row.threads) : "");
 }
 
 Row row_of(const Task& task, const BlockFacts& facts, const QuerySet& set, int threads) {
@@ -67,7 +67,7 @@ std::vector<Cell> cells_of(const Task& task, const BlockFacts& facts, int thread
           row.method = methods[m].name, row.family = methods[m].family, row.source = methods[m].source;
           row.peer_version = methods[m].peer_version, row.claim = methods[m].claim;
           row.build_knobs = methods[m].build_knobs[b], row.query_knobs = methods[m].query_knobs[q];
-          cell.name = cell_name(row);
+          cell.name = cell_name(row, facts.spec.scaling);
           if (beyond_sweep) {  // the matrix of hard cases has a place for it, and should say why it is empty
             row.status = Status::unsupported;
             row.reason =
@@ -87,7 +87,7 @@ std::vector<Cell> not_built_cells(const Task& task, const BlockFacts& facts, int
       Cell cell{0, 0, 0, s, "", row_of(task, facts, facts.query_sets[s], threads)};
       cell.row.method = method, cell.row.source = Source::peer;
       cell.row.status = Status::not_built, cell.row.reason = "this build has no " + package;
-      cell.name = cell_name(cell.row);
+      cell.name = cell_name(cell.row, facts.spec.scaling);
       out.push_back(std::move(cell));
     }
   return out;

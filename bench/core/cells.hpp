@@ -17,7 +17,8 @@ std::string format_knobs(const Knobs&);
 
 struct Cell {
   std::size_t method = 0, build = 0, query_knobs = 0, query_set = 0;
-  std::string name;  // block/query set/method/build knobs/query knobs, for filters and Google Benchmark
+  std::string name;  // block/query set/method/build knobs/query knobs, for filters and Google Benchmark; of
+                     // thread scaling with the threads at its end
   Row row;           // filled but for what is measured
 };
 

@@ -162,17 +162,19 @@ std::vector<int> thread_counts() {
 void Program::run_scaling() {
   Timer timer(options_.context.profile, options_.benchmark);
   auto specs = blocks();
+  Harness harness(task_, options_, filter_, file_, timer);
   Progress progress(weights_of(specs));
   for (std::size_t k = 0; k < specs.size(); ++k) {
     progress.block(k, specs[k].label());
     const auto block = open(specs[k]);
-    for (const int threads : thread_counts()) {
-      Options options = options_;
-      options.context.threads = threads;
-      const auto rows =
-          Harness(task_, options, filter_, file_, timer).run(facts_of(specs[k], *block), *block, progress);
-      outcome_.add(rows, true);
-      show(rows, progress);
+    const auto rows = harness.run(facts_of(specs[k], *block), *block, progress, {}, {}, thread_counts());
+    outcome_.add(rows, true);
+    progress.clear();
+    for (const int threads : thread_counts()) {  // a table each: it has no column for them
+      std::vector<Row> mine = rows;
+      std::erase_if(mine, [&](const Row& row) { return row.threads != threads; });
+      if (!options_.quiet()) fmt::print("\n--threads {}", threads);
+      show(mine, progress);
     }
   }
 }
