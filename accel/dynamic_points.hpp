@@ -6,13 +6,16 @@
 // when a quarter of it is gone. Queries ask every tree and merge; the answers are those of one tree over the
 // points that are there.
 //
-// Cost: insertion O(log n) rebuilds a point, amortised; a query costs that of one tree times the number of
-// trees, at most log2(n / block) + 1. Known weakness: queries are slower than on one tree (rebuild() makes it
-// one), and a search among many removed points asks for more than it returns. Not safe to change while it is
-// queried.
+// Cost: insertion O(log n) rebuilds a point, amortised; a query visits every tree, at most log2(n / block) +
+// 1, but all after the largest only as far as what it has found already. Known weakness: queries are slower
+// than on one tree (rebuild() makes it one), and a search among many removed points asks for more than it
+// returns. Not safe to change while it is queried.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
 #include <memory>
 
 #include "accel/batch.hpp"
@@ -21,7 +24,9 @@
 namespace treeline::accel {
 
 struct DynamicOptions {
-  std::size_t block = 256;  ///< trees smaller than this are merged with the next insertion
+  /// Trees smaller than this are merged with the next insertion. Points that come one by one pay for it (at
+  /// 256 three times as much as at 64), queries hardly gain by it.
+  std::size_t block = 64;
 };
 
 template <NeighborIndex Tree>
@@ -64,10 +69,31 @@ class DynamicPoints {
   };
   static constexpr std::uint32_t nowhere = 0xffffffffu;
 
-  void copy_alive(const Part& part, std::vector<std::pair<Id, Point>>& points) const;
-  Part built(std::vector<std::pair<Id, Point>> points) const;
+  using Listed = std::vector<std::pair<Id, Point>>;  // ascending by id
+  struct Ranked {
+    double distance2;  // where the scalar's overflows or vanishes, that in double
+    Found found;
+    bool operator<(const Ranked& o) const {
+      return distance2 < o.distance2 || (distance2 == o.distance2 && found.id < o.found.id);
+    }
+  };
+  struct Scratch {
+    std::vector<Ranked> best, more, merged;
+    std::vector<Found> found;
+  };
+
+  /// Whether a squared distance has all its digits: trees scale their points to keep them in range, but
+  /// answer in the caller's units.
+  static bool is_sound(Scalar distance2) {
+    using Limits = std::numeric_limits<Scalar>;
+    return distance2 <= Limits::max() && distance2 >= Limits::min() / Limits::epsilon();
+  }
+
+  void merge_alive(const Part& part, Listed& points) const;
+  Part built(const Listed& points) const;
   void add(Part part);
-  void nearest_of(const Part& part, const Point& q, std::size_t k, std::vector<Found>& list) const;
+  void find_nearest(const Point& q, std::size_t k, Scratch& s) const;
+  void nearest_of(const Part& part, const Point& q, std::size_t k, Scratch& s) const;
 
   typename Tree::Options tree_options_;
   DynamicOptions options_;
@@ -86,14 +112,14 @@ Id DynamicPoints<Tree>::insert(std::span<const Point> points) {
     if (!geometry::is_finite(points[i]))
       throw InvalidInput("point " + std::to_string(i) + " has a coordinate that is not finite");
   const Id first = static_cast<Id>(there_.size());
-  std::vector<std::pair<Id, Point>> merged;
+  Listed merged;
   for (std::size_t i = 0; i < points.size(); ++i) merged.emplace_back(first + static_cast<Id>(i), points[i]);
   if (merged.empty()) return first;
   std::size_t kept = parts_.size();
   while (kept > 0 &&
          (parts_[kept - 1].ids.size() <= merged.size() || parts_[kept - 1].ids.size() < options_.block))
-    copy_alive(parts_[--kept], merged);
-  Part part = built(std::move(merged));  // what may throw comes before anything changes
+    merge_alive(parts_[--kept], merged);
+  Part part = built(merged);  // what may throw comes before anything changes
   there_.resize(there_.size() + points.size(), true), alive_ += points.size();
   parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(kept), parts_.end());
   add(std::move(part));
@@ -108,12 +134,12 @@ bool DynamicPoints<Tree>::erase(Id id) {
     Part& part = parts_[p];
     if (!std::binary_search(part.ids.begin(), part.ids.end(), id)) continue;
     if (4 * ++part.dead <= part.ids.size()) break;
-    std::vector<std::pair<Id, Point>> left;
-    copy_alive(part, left);
+    Listed left;
+    merge_alive(part, left);
     if (left.empty()) {
       parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(p));
     } else {
-      Part smaller = built(std::move(left));
+      Part smaller = built(left);
       parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(p));
       add(std::move(smaller));
     }
@@ -124,24 +150,33 @@ bool DynamicPoints<Tree>::erase(Id id) {
 
 template <NeighborIndex Tree>
 void DynamicPoints<Tree>::rebuild() {
-  std::vector<std::pair<Id, Point>> all;
-  for (const Part& part : parts_) copy_alive(part, all);
+  Listed all;
+  for (std::size_t p = parts_.size(); p-- > 0;) merge_alive(parts_[p], all);
   if (all.empty()) return parts_.clear();
-  Part whole = built(std::move(all));
+  Part whole = built(all);
   parts_.clear();
   add(std::move(whole));
 }
 
+/// Both are in order of id; where points go as they came, one simply follows the other.
 template <NeighborIndex Tree>
-void DynamicPoints<Tree>::copy_alive(const Part& part, std::vector<std::pair<Id, Point>>& points) const {
+void DynamicPoints<Tree>::merge_alive(const Part& part, Listed& points) const {
+  Listed all;
+  all.reserve(part.ids.size() + points.size());
   for (std::size_t i = 0; i < part.ids.size(); ++i)
-    if (there_[part.ids[i]]) points.emplace_back(part.ids[i], part.points[i]);
+    if (there_[part.ids[i]]) all.emplace_back(part.ids[i], part.points[i]);
+  const auto middle = static_cast<std::ptrdiff_t>(all.size());
+  all.insert(all.end(), points.begin(), points.end());
+  const auto by_id = [](const auto& a, const auto& b) { return a.first < b.first; };
+  if (middle > 0 && !points.empty() && !by_id(all[static_cast<std::size_t>(middle) - 1], points.front()))
+    std::inplace_merge(all.begin(), all.begin() + middle, all.end(), by_id);
+  points = std::move(all);
 }
 
 template <NeighborIndex Tree>
-auto DynamicPoints<Tree>::built(std::vector<std::pair<Id, Point>> points) const -> Part {
-  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+auto DynamicPoints<Tree>::built(const Listed& points) const -> Part {
   Part part;
+  part.ids.reserve(points.size()), part.points.reserve(points.size());
   for (const auto& [id, point] : points) part.ids.push_back(id), part.points.push_back(point);
   part.tree = std::make_unique<Tree>(std::span<const Point>(part.points), tree_options_);
   return part;
@@ -163,22 +198,39 @@ std::size_t DynamicPoints<Tree>::bytes() const {
 
 // ---- queries -------------------------------------------------------------------------------------------
 
-/// Appends the k nearest that are alive. What is removed takes places, so more are asked for until enough are
-/// left.
+/// Merges the nearest of a part that are alive into the k best. What is removed takes places, so more are
+/// asked for until enough are left.
 template <NeighborIndex Tree>
-void DynamicPoints<Tree>::nearest_of(const Part& part, const Point& q, std::size_t k,
-                                     std::vector<Found>& list) const {
-  const std::size_t before = list.size();
-  for (std::size_t want = k;; want *= 2) {
-    want = std::min(want, part.ids.size());
-    std::vector<Found> found(want);
-    part.tree->nearest(q, want, std::span<Found>(found));
-    list.resize(before);
-    for (const Found& f : found)
-      if (const Id id = part.ids[f.id]; there_[id] && list.size() < before + k)
-        list.push_back({f.distance2, id});
-    if (list.size() == before + k || want == part.ids.size()) return;
+void DynamicPoints<Tree>::nearest_of(const Part& part, const Point& q, std::size_t k, Scratch& s) const {
+  NearestOptions<Scalar> options;
+  if (s.best.size() == k && is_sound(s.best.back().found.distance2))  // by a margin for rounding
+    options.max_distance =
+        std::sqrt(s.best.back().found.distance2) * (1 + 8 * std::numeric_limits<Scalar>::epsilon());
+  for (std::size_t want = std::min(k, part.ids.size());; want = std::min(2 * want, part.ids.size())) {
+    s.found.resize(want);
+    const std::size_t told = part.tree->nearest(q, want, options, std::span<Found>(s.found));
+    s.more.clear();
+    for (std::size_t i = 0; i < told && s.more.size() < k; ++i) {
+      const auto [distance2, local] = s.found[i];
+      if (!there_[part.ids[local]]) continue;
+      using Wide = geometry::Vec<double, Point::dimension>;
+      const double ranked =
+          is_sound(distance2) ? static_cast<double>(distance2) : length2(Wide(part.points[local]) - Wide(q));
+      s.more.push_back({ranked, {distance2, part.ids[local]}});
+    }
+    if (s.more.size() == k || told < want || want == part.ids.size()) break;
   }
+  s.merged.clear();
+  std::merge(s.best.begin(), s.best.end(), s.more.begin(), s.more.end(), std::back_inserter(s.merged));
+  if (s.merged.size() > k) s.merged.resize(k);
+  s.best.swap(s.merged);
+}
+
+/// Into s.best, nearest first.
+template <NeighborIndex Tree>
+void DynamicPoints<Tree>::find_nearest(const Point& q, std::size_t k, Scratch& s) const {
+  s.best.clear();
+  for (const Part& part : parts_) nearest_of(part, q, k, s);
 }
 
 template <NeighborIndex Tree>
@@ -189,9 +241,9 @@ std::size_t DynamicPoints<Tree>::nearest(const Point& q, std::size_t k, std::spa
   if (out.size() < m)
     throw InvalidInput("out holds " + std::to_string(out.size()) + " answers; it must hold " +
                        std::to_string(m));
-  std::vector<Found> list;
-  for (const Part& part : parts_) nearest_of(part, q, m, list);
-  std::partial_sort_copy(list.begin(), list.end(), out.begin(), out.begin() + static_cast<std::ptrdiff_t>(m));
+  Scratch s;
+  if (m > 0) find_nearest(q, m, s);
+  for (std::size_t i = 0; i < m; ++i) out[i] = s.best[i].found;
   return m;
 }
 
@@ -205,10 +257,13 @@ void DynamicPoints<Tree>::nearest(std::span<const Point> queries, std::size_t k,
   for (std::size_t i = 0; i < queries.size(); ++i)
     if (!geometry::is_finite(queries[i]))
       throw InvalidInput("query " + std::to_string(i) + " has a coordinate that is not finite");
+  const std::size_t m = std::min(k, size());
   parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
+    Scratch s;
     for (std::size_t i = begin; i < end; ++i) {
+      if (m > 0) find_nearest(queries[i], m, s);
       const std::span<Found> row = out.subspan(i * k, k);
-      for (std::size_t n = nearest(queries[i], k, row); n < k; ++n) row[n] = {};
+      for (std::size_t j = 0; j < k; ++j) row[j] = j < m ? s.best[j].found : Found{};
     }
   });
 }

@@ -8,7 +8,7 @@ usage() {
 bench/run.sh [--profile smoke|quick|full] [--task T]... [--out DIR] [--resume] [--no-install]
 
   --profile P    smoke: every cell once, tiny; quick (default): minutes; full: hours
-  --task T       only this task (knn, knn_nd, ray); may be repeated
+  --task T       only this task (knn, knn_dynamic, knn_nd, ray); may be repeated
   --out DIR      folder for rows, pictures and report; default results/<profile>-<date>-<time>
   --resume       continue the run in --out (default: the newest of this profile) where it stopped
   --no-install   install nothing
@@ -47,6 +47,7 @@ for task in ${tasks[@]+"${tasks[@]}"}; do
   esac
 done
 [ ${#tasks[@]} -gt 0 ] || tasks=("${known[@]}")
+mapfile -t tasks < <(printf '%s\n' "${tasks[@]}" | awk '!seen[$0]++')  # one that was named twice runs once
 
 if [ -z "$out" ]; then
   if [ $resume -eq 1 ]; then
@@ -82,6 +83,12 @@ for task in "${tasks[@]}"; do
   [ $code -eq 2 ] && { cat "$out/$task.log" >&2; fail 2 "bench_$task could not run"; }
   [ $code -gt 2 ] && fail 1 "bench_$task was ended (status $code); continue with --resume --out $out"
   worst $code
+  if "$program" --list --profile "$profile" | grep -q '^scaling'; then
+    say "Task $task: threads"
+    "$program" --scaling --profile "$profile" --rows "$out/$task.threads.jsonl" ${flags[@]+"${flags[@]}"} \
+      >"$out/$task.threads.log"
+    worst $?
+  fi
   say "Task $task: hard cases"
   "$program" --stress --rows "$out/$task.stress.jsonl" ${flags[@]+"${flags[@]}"} >"$out/$task.stress.log"
   worst $?

@@ -9,9 +9,9 @@
 namespace treeline::bench {
 namespace {
 
-std::string cell_name(const Row& row) {
-  return fmt::format("{}/{}/{}/{}/{}", row.block, row.query_set, row.method, format_knobs(row.build_knobs),
-                     format_knobs(row.query_knobs));
+std::string cell_name(const Row& row, bool scaling) {
+  return fmt::format("{}/{}/{}/{}/{}{}", row.block, row.query_set, row.method, format_knobs(row.build_knobs),
+                     format_knobs(row.query_knobs), scaling ? fmt::format("/{}", row.threads) : "");
 }
 
 Row row_of(const Task& task, const BlockFacts& facts, const QuerySet& set, int threads) {
@@ -54,9 +54,11 @@ BlockFacts facts_of(const BlockSpec& spec, const Block& block) {
 std::vector<Cell> cells_of(const Task& task, const BlockFacts& facts, int threads) {
   std::vector<Cell> out;
   const auto& methods = task.methods();
-  for (std::size_t m = 0; m < methods.size(); ++m)
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    if (facts.spec.scaling && !methods[m].scales) continue;
     for (std::size_t b = 0; b < methods[m].build_knobs.size(); ++b) {
-      if (b > 0 && facts.n > methods[m].sweep_up_to_n) break;
+      const bool beyond_sweep = b > 0 && facts.n > methods[m].sweep_up_to_n;
+      if (beyond_sweep && !facts.spec.hard) break;
       if (facts.quick && b >= methods[m].quick_builds) break;
       for (std::size_t s = 0; s < facts.query_sets.size(); ++s)
         for (std::size_t q = 0; q < methods[m].query_knobs.size(); ++q) {
@@ -65,10 +67,16 @@ std::vector<Cell> cells_of(const Task& task, const BlockFacts& facts, int thread
           row.method = methods[m].name, row.family = methods[m].family, row.source = methods[m].source;
           row.peer_version = methods[m].peer_version, row.claim = methods[m].claim;
           row.build_knobs = methods[m].build_knobs[b], row.query_knobs = methods[m].query_knobs[q];
-          cell.name = cell_name(row);
+          cell.name = cell_name(row, facts.spec.scaling);
+          if (beyond_sweep) {  // the matrix of hard cases has a place for it, and should say why it is empty
+            row.status = Status::unsupported;
+            row.reason =
+                fmt::format("above n = {} only the first of its builds is tried", methods[m].sweep_up_to_n);
+          }
           out.push_back(std::move(cell));
         }
     }
+  }
   return out;
 }
 
@@ -79,7 +87,7 @@ std::vector<Cell> not_built_cells(const Task& task, const BlockFacts& facts, int
       Cell cell{0, 0, 0, s, "", row_of(task, facts, facts.query_sets[s], threads)};
       cell.row.method = method, cell.row.source = Source::peer;
       cell.row.status = Status::not_built, cell.row.reason = "this build has no " + package;
-      cell.name = cell_name(cell.row);
+      cell.name = cell_name(cell.row, facts.spec.scaling);
       out.push_back(std::move(cell));
     }
   return out;

@@ -17,7 +17,8 @@ std::string format_knobs(const Knobs&);
 
 struct Cell {
   std::size_t method = 0, build = 0, query_knobs = 0, query_set = 0;
-  std::string name;  // block/query set/method/build knobs/query knobs, for filters and Google Benchmark
+  std::string name;  // block/query set/method/build knobs/query knobs, for filters and Google Benchmark; of
+                     // thread scaling with the threads at its end
   Row row;           // filled but for what is measured
 };
 
@@ -43,7 +44,8 @@ struct BlockFacts {
 };
 BlockFacts facts_of(const BlockSpec&, const Block&);
 
-/// All cells of a block, methods in the task's order, then build knobs, query sets and query knobs.
+/// All cells of a block, methods in the task's order, then build knobs, query sets and query knobs. Of a hard
+/// case also those that MethodInfo::sweep_up_to_n leaves out, as `unsupported`.
 std::vector<Cell> cells_of(const Task&, const BlockFacts&, int threads);
 /// The rows of the peers that this build lacks, one a query set.
 std::vector<Cell> not_built_cells(const Task&, const BlockFacts&, int threads);

@@ -49,8 +49,10 @@ void Harness::finish(const Row& row) {
 }
 
 std::vector<Row> Harness::run(const BlockFacts& facts, Block& block, Progress& progress,
-                              const std::vector<std::string>& sets, const Broken& broken) {
+                              const std::vector<std::string>& sets, const Broken& broken,
+                              std::vector<int> thread_counts) {
   rows_.clear();
+  if (thread_counts.empty()) thread_counts = {options_.context.threads};
   std::vector<Cell> pending;
   const auto plan = [&](Cell cell) {
     if (!filter_.matches(cell.name)) return;
@@ -73,8 +75,10 @@ std::vector<Row> Harness::run(const BlockFacts& facts, Block& block, Progress& p
     }
     pending.push_back(std::move(cell));
   };
-  for (Cell& cell : not_built_cells(task_, facts, options_.context.threads)) plan(std::move(cell));
-  for (Cell& cell : cells_of(task_, facts, options_.context.threads)) plan(std::move(cell));
+  for (const int threads : thread_counts) {
+    for (Cell& cell : not_built_cells(task_, facts, threads)) plan(std::move(cell));
+    for (Cell& cell : cells_of(task_, facts, threads)) plan(std::move(cell));
+  }
 
   for (std::size_t next = 0; next < pending.size();) {
     const std::size_t first = next;
@@ -98,11 +102,15 @@ Harness::Group Harness::next_group(std::vector<Cell>& cells, std::size_t& next, 
   Group group;
   for (std::size_t used = 0; next < cells.size() && used <= budget;) {
     const std::size_t method = cells[next].method, knobs = cells[next].build;
+    const int threads = cells[next].row.threads;
     progress.step(static_cast<double>(next) / static_cast<double>(cells.size()),
                   "building " + cells[next].row.method);
     Group::Held held;
-    held.build = timed_build(block, method, cells[next].row.build_knobs, options_.context.threads, times);
-    for (; next < cells.size() && cells[next].method == method && cells[next].build == knobs; ++next) {
+    held.build = timed_build(block, method, cells[next].row.build_knobs, threads, times);
+    const auto of_this_build = [&](const Cell& cell) {
+      return cell.method == method && cell.build == knobs && cell.row.threads == threads;
+    };
+    for (; next < cells.size() && of_this_build(cells[next]); ++next) {
       note_build(cells[next].row, held.build);
       if (held.build.subject)
         held.cells.push_back(std::move(cells[next]));

@@ -17,9 +17,10 @@ class Harness {
   Harness(const Task&, const Options&, const Filter&, RowFile&, Timer&);
 
   /// Rows of all chosen cells of the block, those of an earlier run included. With `sets`, only of these.
-  /// What is broken is not built; its rows say how it ended.
+  /// What is broken is not built; its rows say how it ended. With thread counts, at each of these instead of
+  /// the options' one, all of them by turns: their ratios are what one wants to know.
   std::vector<Row> run(const BlockFacts&, Block&, Progress&, const std::vector<std::string>& sets = {},
-                       const Broken& broken = {});
+                       const Broken& broken = {}, std::vector<int> thread_counts = {});
 
  private:
   struct Group;  // subjects held at one time, and their cells

@@ -22,6 +22,9 @@ std::string format_list(const Task& task, const Options& options) {
   k = 0;
   for (const BlockSpec& spec : task.hard_blocks())
     out += fmt::format("stress {:>2}  {}\n", ++k, spec.label());
+  k = 0;
+  for (const BlockSpec& spec : task.scaling_blocks(options.context.profile))
+    out += fmt::format("scaling {:>1}  {}\n", ++k, spec.label());
   for (const MethodInfo& m : task.methods())
     out +=
         fmt::format("method  {:<20} {:<6} {:<5} {:<11} build {}  query {}{}\n", m.name, m.family,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <thread>
@@ -102,6 +103,8 @@ void check_combinations(const Options& o) {
         "--pictures needs blocks of the task; it does not work with --input");
   never(o.stress && o.advise, "--advise and --stress exclude each other");
   never(o.stress && !o.pictures.empty(), "--pictures and --stress exclude each other");
+  never(o.scaling && (o.stress || o.advise || !o.input.empty() || !o.pictures.empty()),
+        "--scaling stands alone: without --stress, --advise, --input and --pictures");
   never(o.advise && o.input.empty() && o.datasets.empty(),
         "--advise needs --dataset NAME[:n] or --input FILE to measure on");
   never(o.advise && !(std::isfinite(*o.advise) && *o.advise >= 0),
@@ -132,8 +135,14 @@ std::variant<Options, int> parse_command_line(const std::string& task, int argc,
       "filter\n"
       "matched nothing; 2 unusable arguments or input.");
   const auto positive = number_that([](double x) { return x > 0 && x <= 1e18; }, "a positive number");
-  const auto not_negative =
-      number_that([](double x) { return x >= 0 && x < 0x1p64; }, "a number from 0 to 2^64 - 1");
+  const CLI::Validator seed(  // not by way of double, which cannot tell 2^64 - 1 from 2^64
+      [](const std::string& text) {
+        std::uint64_t value = 0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        const bool good = error == std::errc() && end == text.data() + text.size();
+        return good ? std::string() : fmt::format("'{}' is not a whole number from 0 to 2^64 - 1", text);
+      },
+      "");
   const auto seconds =
       number_that([](double x) { return x > 0 && x <= 1e6; }, "a number of seconds up to 1000000");
   std::string profile = "quick";
@@ -142,11 +151,12 @@ std::variant<Options, int> parse_command_line(const std::string& task, int argc,
       ->check(CLI::IsMember({"smoke", "quick", "full"}));
   app.add_option("--dataset", o.datasets, "Only these datasets: NAME or NAME:n");
   app.add_option("--input", o.input, "Measure on a file of your own");
-  app.add_option("--seed", o.context.seed, "Seed of datasets and queries")->check(not_negative);
+  app.add_option("--seed", o.context.seed, "Seed of datasets and queries")->check(seed);
   app.add_option("--threads", o.context.threads, "Threads that share a batch")->check(CLI::Range(1, 4096));
   app.add_option("--rows", o.rows, "Append rows to this file; an existing one is refused without --resume");
   app.add_flag("--resume", o.resume, "Continue the rows file: finished cells are not repeated");
   app.add_flag("--stress", o.stress, "The hard cases, each in a child process");
+  app.add_flag("--scaling", o.scaling, "The blocks of thread scaling, at 1, 2, 4, … threads of this machine");
   app.add_option("--advise", o.advise, "Cheapest method within this error on the given dataset or file");
   app.add_option("--block", o.block, "Only block K of --list, with all its methods")->check(positive);
   app.add_option("--pictures", o.pictures, "Write pictures of the blocks into this folder");
@@ -170,6 +180,8 @@ std::variant<Options, int> parse_command_line(const std::string& task, int argc,
                       : profile == "full" ? Profile::full
                                           : Profile::quick;
   check_combinations(o);
+  if (o.scaling && app.count("--threads") > 0)
+    throw UsageError("--scaling goes through the thread counts by itself: --threads does not apply");
   o.context.threads = threads_to_use(o.context.threads);
   return o;
 }

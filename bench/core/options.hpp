@@ -36,7 +36,7 @@ struct BenchmarkFlags {
 struct Options {
   std::string program;  // argv[0]
   RunContext context;
-  bool list = false, stress = false, resume = false;
+  bool list = false, stress = false, scaling = false, resume = false;
   std::vector<std::string> datasets;
   std::string input, rows, pictures;
   std::optional<double> advise;

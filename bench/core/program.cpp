@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <numeric>
+#include <thread>
 
 #include "bench/core/advice.hpp"
 #include "bench/core/harness.hpp"
@@ -48,6 +49,7 @@ class Program {
  private:
   void run_stress();
   void run_blocks();
+  void run_scaling();
   int run_advice();
   void write_pictures();
   void list_cells();
@@ -76,14 +78,20 @@ int Program::run() {
     if (options_.rows.empty() && !options_.advise) return exit_expected;
   }
   if (!options_.rows.empty()) file_ = RowFile(options_.rows, options_.resume, task_.name());
+  if (!file_.other_build().empty())
+    fmt::print(stderr,
+               "{}: warning: continues rows of another build of this program ({}): their times may not "
+               "compare\n",
+               options_.rows, file_.other_build());
   if (options_.advise) return run_advice();
-  options_.stress ? run_stress() : run_blocks();
+  options_.stress ? run_stress() : options_.scaling ? run_scaling() : run_blocks();
   return finish();
 }
 
 std::vector<BlockSpec> Program::blocks() {
   if (options_.input.empty()) return select_blocks(task_, options_);
   input_ = read_input(options_.input, task_.dataset_kind());
+  input_->seed = options_.context.seed;  // of its queries: a file has none of its own
   for (const std::string& note : input_->notes) fmt::print(stderr, "{}: {}\n", options_.input, note);
   return {{input_->name, input_->size(), false}};
 }
@@ -139,6 +147,35 @@ void Program::run_blocks() {
     // A recipe is input that can be answered; a user's file may rightly be refused.
     outcome_.add(rows, !input_);
     show(rows, progress);
+  }
+}
+
+/// 1, 2, 4, … and all of this machine's threads.
+std::vector<int> thread_counts() {
+  const int there = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  std::vector<int> out;
+  for (int t = 1; t < there; t *= 2) out.push_back(t);
+  out.push_back(there);
+  return out;
+}
+
+void Program::run_scaling() {
+  Timer timer(options_.context.profile, options_.benchmark);
+  auto specs = blocks();
+  Harness harness(task_, options_, filter_, file_, timer);
+  Progress progress(weights_of(specs));
+  for (std::size_t k = 0; k < specs.size(); ++k) {
+    progress.block(k, specs[k].label());
+    const auto block = open(specs[k]);
+    const auto rows = harness.run(facts_of(specs[k], *block), *block, progress, {}, {}, thread_counts());
+    outcome_.add(rows, true);
+    progress.clear();
+    for (const int threads : thread_counts()) {  // a table each: it has no column for them
+      std::vector<Row> mine = rows;
+      std::erase_if(mine, [&](const Row& row) { return row.threads != threads; });
+      if (!options_.quiet()) fmt::print("\n--threads {}", threads);
+      show(mine, progress);
+    }
   }
 }
 

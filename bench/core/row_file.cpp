@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "bench/core/environment.hpp"
 #include "bench/core/options.hpp"
 
 namespace treeline::bench {
@@ -40,10 +41,35 @@ RowFile::~RowFile() {
   if (file_ >= 0) close(file_);
 }
 RowFile::RowFile(RowFile&& o) noexcept
-    : path_(std::move(o.path_)), file_(std::exchange(o.file_, -1)), finished_(std::move(o.finished_)) {}
+    : path_(std::move(o.path_)),
+      other_build_(std::move(o.other_build_)),
+      file_(std::exchange(o.file_, -1)),
+      finished_(std::move(o.finished_)) {}
 RowFile& RowFile::operator=(RowFile&& o) noexcept {
-  std::swap(path_, o.path_), std::swap(file_, o.file_), std::swap(finished_, o.finished_);
+  std::swap(path_, o.path_), std::swap(other_build_, o.other_build_);
+  std::swap(file_, o.file_), std::swap(finished_, o.finished_);
   return *this;
+}
+
+/// Throws for a row of another machine; of another build, remembers what is different.
+void RowFile::check_origin(const nlohmann::ordered_json& row) {
+  const auto& here = environment();
+  const auto text = [](const nlohmann::ordered_json& value) {
+    return value.is_string() ? value.get<std::string>() : value.dump();
+  };
+  const auto differs = [&](const char* field) { return row.contains(field) && row[field] != here[field]; };
+  for (const char* field : {"host", "cpu", "isa"})
+    if (differs(field))
+      throw std::runtime_error(
+          fmt::format("it was measured elsewhere ({} '{}', here '{}'), and times of two "
+                      "machines do not compare; choose another file, and merge them "
+                      "afterwards",
+                      field, text(row[field]), text(here[field])));
+  if (!other_build_.empty()) return;
+  for (const char* field : {"commit", "compiler", "flags"})
+    if (differs(field))
+      other_build_ += fmt::format("{}{} '{}', now '{}'", other_build_.empty() ? "" : "; ", field,
+                                  text(row[field]), text(here[field]));
 }
 
 void RowFile::read_existing(const std::string& task) {
@@ -54,12 +80,14 @@ void RowFile::read_existing(const std::string& task) {
   std::size_t start = 0, number = 1;
   const auto take = [&](std::string_view line) {
     try {
-      const Row row = Row::from_json(nlohmann::ordered_json::parse(line));
+      const auto json = nlohmann::ordered_json::parse(line);
+      const Row row = Row::from_json(json);
       if (row.task != task) throw std::runtime_error(fmt::format("it is of the task '{}'", row.task));
+      check_origin(json);
       finished_.insert_or_assign(row.key(), row);
     } catch (const std::exception& e) {
       throw std::runtime_error(
-          fmt::format("line {} is not a row of the task {}: {}", number, task, e.what()));
+          fmt::format("line {} is not a row of the task {} to continue: {}", number, task, e.what()));
     }
   };
   for (std::size_t end; (end = text.find('\n', start)) != std::string::npos; start = end + 1, ++number)

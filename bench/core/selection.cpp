@@ -69,7 +69,10 @@ std::vector<BlockSpec> select_blocks(const Task& task, const Options& options) {
         out.push_back(spec);
   }
   if (options.datasets.empty())
-    out = options.stress ? task.hard_blocks() : task.blocks(options.context.profile);
+    out = options.stress    ? task.hard_blocks()
+          : options.scaling ? task.scaling_blocks(options.context.profile)
+                            : task.blocks(options.context.profile);
+  for (BlockSpec& spec : out) spec.scaling = options.scaling;
   if (out.empty()) throw UsageError(task.name() + " has no blocks here");
   if (options.block == 0) return out;
   if (options.block > out.size())

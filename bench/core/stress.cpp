@@ -71,7 +71,7 @@ std::vector<Row> Stress::run(const BlockSpec& spec, Progress& progress) {
       return;
     if (const Row* row = file_.finished(cell.row))
       rows_.push_back(*row);
-    else if (cell.row.status == Status::not_built)
+    else if (cell.row.status == Status::not_built || cell.row.status == Status::unsupported)
       finish(cell.row);
     else
       by_build[{cell.method, cell.build}].push_back(std::move(cell));

@@ -49,6 +49,7 @@ struct MethodInfo {
   std::size_t sweep_up_to_n = SIZE_MAX;  // above, only the first of build_knobs
   std::size_t quick_builds = SIZE_MAX;   // so many of build_knobs, the best first, in the quick profile
   std::size_t largest_n = SIZE_MAX;      // not run above (brute force); the row says `unsupported`
+  bool scales = true;                    // measured at several thread counts, too
 };
 
 struct QuerySet {
@@ -77,6 +78,7 @@ struct BlockSpec {
   std::string dataset;  // recipe, or hard case
   std::size_t n = 0;    // 0: as the file or the hard case has it
   bool hard = false;
+  bool scaling = false;  // measured at several thread counts
   std::string label() const { return hard ? "hard/" + dataset : dataset + ":" + std::to_string(n); }
 };
 
@@ -98,6 +100,9 @@ class Task {
   virtual std::vector<std::pair<std::string, std::string>> not_built() const = 0;
   virtual std::vector<BlockSpec> blocks(Profile) const = 0;
   virtual std::vector<BlockSpec> hard_blocks() const = 0;
+  /// What --scaling measures at 1, 2, 4, … threads: enough queries to share out. Names of query sets end in
+  /// "_threads", so that nothing takes them for those of an ordinary block.
+  virtual std::vector<BlockSpec> scaling_blocks(Profile) const { return {}; }
   /// The recipes that --dataset accepts.
   virtual datasets::Kind dataset_kind() const = 0;
   virtual std::unique_ptr<Block> open(const BlockSpec&, const RunContext&) const = 0;

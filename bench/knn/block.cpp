@@ -256,6 +256,8 @@ std::unique_ptr<Block> open_block(const std::vector<Method>& methods, datasets::
     if (!asked.sets.empty())
       std::erase_if(questions.sets,
                     [&](const auto& set) { return std::ranges::count(asked.sets, set.name) == 0; });
+    for (Questions::Set& set : questions.sets)
+      if (!asked.suffix.empty()) set.name.replace(set.name.rfind('_'), std::string::npos, asked.suffix);
     return questions;
   });
 }

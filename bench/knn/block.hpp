@@ -12,9 +12,11 @@
 namespace treeline::bench::knn {
 
 /// What a block asks: at most so many queries in each of the named sets of questions.hpp; no name: in all.
+/// With a suffix, "_self" at the end of a set's name becomes it.
 struct Asked {
   std::size_t queries = 0;
   std::vector<std::string> sets;
+  std::string suffix{};
 };
 
 /// A block over a cloud or the vertices of a mesh. Truths are computed when first needed, by all cores, and

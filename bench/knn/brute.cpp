@@ -10,7 +10,8 @@ using Tree = accel::BruteForce<accel::Points<float, 3>>;
 constexpr std::size_t largest_worth_it = 100'000;
 
 [[maybe_unused]] const bool registered = Registry<Method>::instance().add(
-    {.info = {.name = "brute", .family = "brute", .ladder = 0, .largest_n = largest_worth_it},
+    {.info =
+         {.name = "brute", .family = "brute", .ladder = 0, .largest_n = largest_worth_it, .scales = false},
      .build = [](const Input& input, const Knobs& knobs) { return build_tree<Tree>(input, {}, knobs); }});
 
 }  // namespace

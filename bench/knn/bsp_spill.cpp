@@ -15,7 +15,8 @@ using Tree = accel::SpillTree<accel::Points<float, 3>>;
                                                                {{"leaf_size", 16}, {"tau", 1.0}},
                                                                {{"leaf_size", 16}, {"tau", 0.5}}},
                                                .ladder = 13,
-                                               .sweep_up_to_n = 100'000},
+                                               .sweep_up_to_n = 100'000,
+                                               .scales = false},
                                       .build = [](const Input& input, const Knobs& knobs) {
                                         Tree::Options options;
                                         options.tau = knobs.at("tau").get<double>();

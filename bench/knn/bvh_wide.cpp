@@ -27,7 +27,8 @@ bool add(const char* name, Claim claim, int ladder, std::vector<Knobs> query_kno
                 .claim = claim,
                 .build_knobs = claim == Claim::exact ? both_splits : std::vector<Knobs>{both_splits[1]},
                 .query_knobs = std::move(query_knobs),
-                .ladder = ladder},
+                .ladder = ladder,
+                .scales = claim == Claim::exact},
        .build = claim == Claim::exact ? build<true> : build<false>});
 }
 

@@ -4,7 +4,7 @@
 // widest spread are the other two that its manual recommends), the bucket size (10 by default), extended
 // nodes, and the cache of coordinates in leaf order, switched on here, which Euclidean_distance and
 // Search_traits_3 make use of. Points are floats as for everyone else. Spheres and boxes are asked without
-// fuzziness.
+// fuzziness. It builds by threads, over TBB.
 #include <CGAL/Fuzzy_iso_box.h>
 #include <CGAL/Fuzzy_sphere.h>
 #include <CGAL/Kd_tree.h>
@@ -14,6 +14,7 @@
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/property_map.h>
 #include <CGAL/version.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include "accel/batch.hpp"
 #include "bench/core/registry.hpp"
@@ -61,7 +62,10 @@ class CgalKdtree final : public Index {
       : items_(items(input)),
         tree_(items_.begin(), items_.end(), Splitter(knobs.at("bucket_size").get<unsigned>())) {
     items_ = {};
-    tree_.build();
+    if (input.threads == 1)
+      tree_.template build<CGAL::Sequential_tag>();
+    else
+      oneapi::tbb::task_arena(input.threads).execute([&] { tree_.template build<CGAL::Parallel_tag>(); });
   }
 
   void nearest(std::span<const Vec3f> queries, std::size_t k, const Knobs&, int threads,

@@ -20,7 +20,8 @@ namespace {
               .build_knobs = {{{"trees", 4}}, {{"trees", 8}}},
               .query_knobs = {{{"checks", 32}}, {{"checks", 128}}, {{"checks", 512}}},
               .ladder = 20,
-              .quick_builds = 1},
+              .quick_builds = 1,
+              .scales = false},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
        return std::make_unique<FlannApproximate<flann::KDTreeIndex<flann::L2_3D<float>>>>(
            input, flann::KDTreeIndexParams(knobs.at("trees").get<int>()));

@@ -19,7 +19,8 @@ namespace {
               .build_knobs = {{{"branching", 8}}, {{"branching", 32}}},
               .query_knobs = {{{"checks", 32}}, {{"checks", 128}}, {{"checks", 512}}},
               .ladder = 21,
-              .quick_builds = 1},
+              .quick_builds = 1,
+              .scales = false},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
        return std::make_unique<FlannApproximate<flann::KMeansIndex<flann::L2_3D<float>>>>(
            input, flann::KMeansIndexParams(knobs.at("branching").get<int>()));

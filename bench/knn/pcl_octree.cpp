@@ -83,7 +83,8 @@ class PclOctree final : public Index {
               .peer_version = PCL_VERSION_PRETTY,
               .build_knobs = {{{"resolution", 4}}, {{"resolution", 8}}, {{"resolution", 16}}},
               .ladder = 33,
-              .quick_builds = 2},
+              .quick_builds = 2,
+              .scales = false},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
        return std::make_unique<PclOctree>(input, knobs);
      }});

@@ -1,5 +1,6 @@
 #include "bench/knn/slice_picture.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -65,6 +66,24 @@ void save(const std::filesystem::path& folder, const std::string& name, const st
   if (!index.flush()) throw std::runtime_error("cannot write " + (folder / "pictures.jsonl").string());
 }
 
+std::string slice_caption(const std::vector<accel::SliceCell>& cells, const Knobs& knobs) {
+  const auto [shallowest, deepest] = std::minmax_element(
+      cells.begin(), cells.end(), [](const auto& a, const auto& b) { return a.depth < b.depth; });
+  std::string built;
+  for (const auto& [name, value] : knobs.items())
+    built += (built.empty() ? "" : ", ") + name + " " +
+             (value.is_string() ? value.get<std::string>() : value.dump());
+  const std::string least = std::to_string(shallowest->depth), most = std::to_string(deepest->depth);
+  std::string text =
+      "The plane through the middle of the cloud across its shortest side. Outlines are leaves' cells, " +
+      (least == most ? "all at depth " + least
+                     : "light where they lie shallow (depth " + least + "), dark where deep (" + most + ")") +
+      "; dots are points within " + svg_figure(100 * near_plane) + " % of the cloud's width of the plane.";
+  if (cells.size() > most_cells)
+    text += " Only the first " + std::to_string(most_cells) + " cells are drawn.";
+  return built.empty() ? text : text + " Built with " + built + ".";
+}
+
 }  // namespace
 
 std::string slice_svg(std::span<const Vec3f> points, const std::vector<accel::SliceCell>& cells,
@@ -127,6 +146,7 @@ void write_pictures(const std::vector<Method>& methods, std::span<const Vec3f> p
     if (cells.empty()) continue;
     save(folder, "knn_" + dataset + "_" + method.info.name, slice_svg(points, cells, box, axis, offset),
          {{"title", method.info.name + ": " + std::to_string(cells.size()) + " cells cut at " + plane},
+          {"caption", slice_caption(cells, knobs)},
           {"dataset", dataset},
           {"method", method.info.name},
           {"kind", "slice"}});

@@ -34,6 +34,15 @@ Asked asked(Profile profile) {
   throw std::invalid_argument("no such profile");
 }
 
+// For thread scaling: batches of some ten milliseconds, against which waking a thread is nothing.
+Asked asked_by_threads(Profile profile) {
+  return {profile == Profile::smoke   ? 100u
+          : profile == Profile::quick ? 10'000u
+                                      : 100'000u,
+          {"knn8_self", "radius_self"},
+          "_threads"};
+}
+
 datasets::HardCase hard_case_named(const std::string& name) {
   for (datasets::HardCase& c : datasets::hard_cases())
     if (c.name == name && c.for_points()) return std::move(c);
@@ -79,8 +88,17 @@ std::vector<BlockSpec> KnnTask::hard_blocks() const {
   return r;
 }
 
+std::vector<BlockSpec> KnnTask::scaling_blocks(Profile profile) const {
+  if (profile == Profile::smoke) return {{"uniform_cube", 1'000}};
+  if (profile == Profile::quick) return {{"uniform_cube", 300'000}};
+  return {{"uniform_cube", 1'000'000}, {"lidar", 1'000'000}};
+}
+
 std::unique_ptr<Block> KnnTask::open(const BlockSpec& spec, const RunContext& context) const {
   if (spec.hard) return open_hard_block(methods_, hard_case_named(spec.dataset), version(), context);
+  if (spec.scaling)
+    return open_block(methods_, datasets::generate(spec.dataset, spec.n, context.seed),
+                      asked_by_threads(context.profile), version(), context);
   return open(datasets::generate(spec.dataset, spec.n, context.seed), context);
 }
 

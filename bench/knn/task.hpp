@@ -19,6 +19,7 @@ class KnnTask final : public Task {
   std::vector<BlockSpec> blocks(Profile) const override;
   /// Hard cases for points. A query that is not finite has no neighbours: silence and refusal are right.
   std::vector<BlockSpec> hard_blocks() const override;
+  std::vector<BlockSpec> scaling_blocks(Profile) const override;
   datasets::Kind dataset_kind() const override { return datasets::Kind::cloud; }
   std::unique_ptr<Block> open(const BlockSpec&, const RunContext&) const override;
   /// A cloud, or the vertices of a mesh.

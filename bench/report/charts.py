@@ -12,8 +12,15 @@ DURATION = (
     "datum.value >= 1e6 ? format(datum.value / 1e6, '~g') + ' ms' : "
     "datum.value >= 1e3 ? format(datum.value / 1e3, '~g') + ' µs' : format(datum.value, '~g') + ' ns'"
 )
-# Labels only where the first digit is 1, 2 or 5: logarithmic ticks come at every digit.
-ROUND = "indexof(['1', '2', '5'], slice(format(datum.value, '.0e'), 0, 1)) < 0 ? '' : "
+
+# Logarithmic ticks come at every digit and between. Labels stand at evenly spaced ones: at powers of ten; where an axis
+# spans less than two of them, at 1, 2 and 5 of each; where it spans next to nothing, at all.
+def _round(axis):
+    span = f"(log(domain('{axis}')[1] / domain('{axis}')[0]) / LN10)"
+    digits = f"{span} > 1.8 ? ['1.0'] : ['1.0', '2.0', '5.0']"
+    return f"{span} > 0.4 && indexof({digits}, slice(format(datum.value, '.1e'), 0, 3)) < 0 ? '' : "
+
+
 DIM = 0.5
 LEAST = 0.1  # bytes per element, and ns of building: zero has no place on a logarithmic axis
 INK, FAINT = "currentColor", "#8884"
@@ -68,8 +75,8 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
                     domain=False, gridOpacity=0.5)  # fmt: skip
     y = alt.Y("y:Q", scale=scale, axis=axis)
     x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, padding=48),
-              axis=alt.Axis(labelExpr=ROUND + DURATION, title=f"time per {element}, log", tickCount=30, gridOpacity=0.5,
-                            labelBound=True, labelOverlap="greedy", labelSeparation=8))  # fmt: skip
+              axis=alt.Axis(labelExpr=_round("x") + DURATION, title=f"time per {element}, log", tickCount=30,
+                            gridOpacity=0.5, labelBound=True, labelOverlap="parity", labelSeparation=8))  # fmt: skip
     zones = [{"zone": name, "from": top, "to": end} for name, top, end in layout.zones()]
     base = alt.Chart(data)
     timed = base.transform_filter("isValid(datum.x)")
@@ -119,9 +126,8 @@ def lanes_chart(data, field, title, methods, looks, legend=False, width="contain
     """One figure of a build, a lane for each method."""
     scale = alt.Scale(type="log", nice=False, padding=10)
     labels = DURATION if field == "build" else f"datum.value <= {LEAST} ? '≤ {LEAST}' : format(datum.value, '~s')"
-    axis = alt.Axis(
-        title=title, tickCount=30, labelExpr=ROUND + labels, gridOpacity=0.5, labelBound=True, labelOverlap="greedy", labelSeparation=8
-    )
+    axis = alt.Axis(title=title, tickCount=30, labelExpr=_round("x") + labels, gridOpacity=0.5, labelBound=True,
+                    labelOverlap="parity", labelSeparation=8)  # fmt: skip
     base = alt.Chart(data).transform_filter(f"isValid(datum.{field})")
     y = alt.Y("method:N", sort=list(methods), scale=alt.Scale(domain=list(methods)),
               axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=120))  # fmt: skip
@@ -129,14 +135,14 @@ def lanes_chart(data, field, title, methods, looks, legend=False, width="contain
     return chart.add_params(_pick_param()).properties(width=width, height=alt.Step(13))
 
 
-def scaling_chart(data, looks, element, query, legend=False, width="container", height=240):
-    """The best right configuration of each method against the size, both logarithmic."""
+def scaling_chart(data, looks, element, query, legend=False, width="container", height=240, along=None):
+    """The best right configuration of each method against the size (or what `along` says n is), both logarithmic."""
     color, _ = _scales(looks)
     x = alt.X("n:Q", scale=alt.Scale(type="log", nice=False, padding=14),
-              axis=alt.Axis(title=f"{element}s, log", format="~s", tickCount=4, gridOpacity=0.5))  # fmt: skip
+              axis=alt.Axis(title=f"{along or element + 's'}, log", format="~s", tickCount=4, gridOpacity=0.5))  # fmt: skip
     y = alt.Y("x:Q", scale=alt.Scale(type="log", nice=False, padding=10),
-              axis=alt.Axis(title=f"time per {query}, log", labelExpr=ROUND + DURATION, tickCount=30, gridOpacity=0.5,
-                            labelBound=True, labelOverlap="greedy", labelSeparation=8))  # fmt: skip
+              axis=alt.Axis(title=f"time per {query}, log", labelExpr=_round("y") + DURATION, tickCount=30, gridOpacity=0.5,
+                            labelBound=True, labelOverlap="parity", labelSeparation=8))  # fmt: skip
     base = alt.Chart(data)
     line = base.mark_line(strokeWidth=1.4, opacity=_pick("0.8")).encode(
         x=x, y=y, stroke=alt.Stroke("method:N", scale=color, legend=_key(legend)))  # fmt: skip
@@ -145,6 +151,24 @@ def scaling_chart(data, looks, element, query, legend=False, width="container", 
     dots = _points(base, looks, legend).encode(x=x, y=y)
     chart = alt.layer(line, rule, dots).add_params(_pick_param())
     return chart.properties(width=width, height=height)
+
+
+def speedup_chart(data, most, methods, looks, legend=False, width="container"):
+    """How many times faster several threads are than one: a lane a method, a mark a number of threads (at its end)."""
+    color, _ = _scales(looks)
+    scale = alt.Scale(domain=[0, 1.45 * most], nice=False)
+    x = alt.X("speedup:Q", scale=scale,
+              axis=alt.Axis(title="times one thread's speed", tickMinStep=1, gridOpacity=0.5))  # fmt: skip
+    y = alt.Y("method:N", sort=list(methods), scale=alt.Scale(domain=list(methods)),
+              axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=120))  # fmt: skip
+    base = alt.Chart(data)
+    one = alt.Chart(alt.Data(values=[{"at": 1}])).mark_rule(color=INK, strokeDash=[3, 3], opacity=0.6).encode(x="at:Q")
+    spread = base.transform_filter("isValid(datum.lo)").mark_rule(strokeWidth=1.4, opacity=_pick("0.8")).encode(
+        x=alt.X("lo:Q", scale=scale), x2="hi:Q", y=y, stroke=alt.Stroke("method:N", scale=color, legend=_key(legend)))  # fmt: skip
+    named = base.mark_text(align="left", dx=8, fontSize=10, fill=INK, opacity=_pick("0.85")).encode(
+        x=alt.X("end:Q", scale=scale), y=y, text="label:N")  # fmt: skip
+    chart = alt.layer(one, spread, _points(base, looks, legend).encode(x=x, y=y), named)
+    return chart.add_params(_pick_param()).properties(width=width, height=alt.Step(15))
 
 
 def theme(chart, background="transparent", font="system-ui, sans-serif"):

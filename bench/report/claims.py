@@ -7,8 +7,8 @@ about. Two contests decide, for no single one is fair to all:
     best     the fastest right method of each family, ours or a peer: what a user can get
 
 A cell is one query set on one cloud; its ratio is the favoured family's time over that of its fastest rival. Cells fall
-into groups by contest and by where the queries lie. Every group supports the claim: it holds; some: it holds only if;
-none: it does not hold.
+into groups by contest and by where the queries lie. Every group supports the claim, at every size: it holds; some do, or
+at some size: it holds only if; none does: it does not hold.
 """
 
 import json
@@ -18,6 +18,7 @@ from math import exp, log
 from pathlib import Path
 
 from bench.report.frontier import groups, right
+from bench.report.units import count, figure
 
 LIST = Path(__file__).with_name("claims.json")
 HOLDS, ONLY_IF, FAILS, NOT_RUN = "holds", "holds only if", "does not hold", "not run"
@@ -58,6 +59,7 @@ class Verdict:
     word: str = NOT_RUN
     condition: str = ""  # of "holds only if"
     figures: list = field(default_factory=list)  # (group in words, mean ratio, cells, supports)
+    spread: list = field(default_factory=list)  # of each of these: (mean by size, clouds that contradict), as text
     cells: list = field(default_factory=list)
     coverage: str = ""
 
@@ -75,17 +77,41 @@ def judge(claim, rows):
         by_group[cell.contest, cell.place].append(cell)
     supporting = []
     for contest, place in ((c, p) for c in CONTESTS for p in PLACES if (c, p) in by_group):
-        ratios = [cell.ratio for cell in by_group[contest, place]]
-        supports = mean(ratios) < 1 / NEAR and sum(r <= NEAR for r in ratios) >= AGREEING * len(ratios)
+        group = by_group[contest, place]
+        ratios = [cell.ratio for cell in group]
+        supports = _supports(ratios)
         verdict.figures.append((f"{CONTESTS[contest]}, {PLACES[place]}", mean(ratios), len(ratios), supports))
-        if supports:
-            supporting.append((contest, place))
+        by_size = _ratios(group, lambda cell: cell.size)
+        verdict.spread.append(_spread(by_size, _ratios(group, lambda cell: cell.dataset)))
+        at = [size for size in sorted(by_size) if _supports(by_size[size])]
+        if supports or at:
+            whole = supports and len(at) == len(by_size)
+            supporting.append((contest, place, [] if whole or not at else at))
     if verdict.figures:
-        verdict.word = HOLDS if len(supporting) == len(by_group) else ONLY_IF if supporting else FAILS
+        everywhere = len(supporting) == len(by_group) and not any(sizes for _, _, sizes in supporting)
+        verdict.word = HOLDS if everywhere else ONLY_IF if supporting else FAILS
         verdict.coverage = _coverage(claim, verdict.cells)
     if verdict.word == ONLY_IF:
         verdict.condition = _condition(supporting)
     return verdict
+
+
+def _supports(ratios):
+    """The favoured family wins on average, and most cells do not contradict."""
+    return mean(ratios) < 1 / NEAR and sum(r <= NEAR for r in ratios) >= AGREEING * len(ratios)
+
+
+def _ratios(cells, key):
+    found = defaultdict(list)
+    for cell in cells:
+        found[key(cell)].append(cell.ratio)
+    return found
+
+
+def _spread(by_size, by_cloud):
+    sizes = ", ".join(f"{count(size)} {figure(mean(by_size[size]))}" for size in sorted(by_size))
+    against = ", ".join(f"{d} {figure(mean(r))}" for d, r in by_cloud.items() if mean(r) > NEAR)
+    return sizes, against
 
 
 def mean(ratios):
@@ -95,7 +121,7 @@ def mean(ratios):
 
 def cells_of(claim, rows):
     found = []
-    mine = (r for r in rows if r.task == claim["task"] and not r.hard and r.dataset in claim["clouds"])
+    mine = (r for r in rows if r.task == claim["task"] and not (r.hard or r.scaling) and r.dataset in claim["clouds"])
     for group in groups(r for r in mine if (r.query_set or "").startswith(tuple(claim["query_sets"]))).values():
         place = _place(group[0].query_set)
         if place is None:
@@ -145,7 +171,8 @@ def _keep_fastest(entrants, row):
 def _condition(supporting):
     parts = []
     for contest, words in CONTESTS.items():
-        places = [PLACES[p] for c, p in supporting if c == contest]
+        places = [PLACES[p] + (f" (at {' and '.join(map(count, sizes))} points)" if sizes else "")
+                  for c, p, sizes in supporting if c == contest]  # fmt: skip
         if places:
             parts.append(f"{words}: " + ", ".join(places))
     return "; ".join(parts)
@@ -158,6 +185,11 @@ def _coverage(claim, cells):
     thin = [d for d, n in sizes.items() if 0 < n < SIZES]
     text = f"{len(cells)} comparisons on {len(sizes) - len(absent)} of {len(sizes)} clouds"
     text += f"; not measured: {', '.join(absent)}" if absent else ""
+    binary = [c for c in cells if c.contest == "binary"]
+    for family, name in BINARY.items():
+        without = sorted({c.size for c in binary if family not in c.rows})
+        if without:
+            text += f"; without {name} among the binary trees at {', '.join(map(count, without))} points"
     return text + (f"; at fewer than {SIZES} sizes: {', '.join(thin)}" if thin else "")
 
 

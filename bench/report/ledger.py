@@ -11,8 +11,8 @@ CLASSES = {claims.HOLDS: "ours", claims.ONLY_IF: "even", claims.FAILS: "peer", c
 NOTE = f"""Sentences that courses and handbooks repeat, each held against the rows of this report. Two contests decide:
 {"; and ".join(claims.CONTESTS.values())}. A figure is the favoured structure's time over its fastest rival's, the geometric
 mean of a group: below 1 it wins. A group supports the sentence if that mean is below {1 / claims.NEAR:.2f} and at least
-{claims.AGREEING:.0%} of its comparisons do not contradict it. Every group supports: it holds; some do: it holds only if;
-none does: it does not hold."""
+{claims.AGREEING:.0%} of its comparisons do not contradict it. Every group supports, at every size: it holds; some do, or
+at some size: it holds only if; none does: it does not hold."""
 
 
 def section(rows):
@@ -37,8 +37,11 @@ def _table(heads, lines):
 
 
 def _groups(v):
-    lines = [(words, figure(ratio), cells, "yes" if yes else "no") for words, ratio, cells, yes in v.figures]
-    return _table(("group", "time over the fastest rival's", "comparisons", "supports the sentence"), lines)
+    lines = [(words, figure(ratio), sizes, against or "none", cells, "yes" if yes else "no")
+             for (words, ratio, cells, yes), (sizes, against) in zip(v.figures, v.spread)]  # fmt: skip
+    heads = ("group", "time over the fastest rival's", "by points", f"clouds against it (above {claims.NEAR})", "comparisons",
+             "supports the sentence")  # fmt: skip
+    return _table(heads, lines)
 
 
 def _clouds(v):

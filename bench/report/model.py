@@ -19,11 +19,13 @@ COLUMNS = TEXT + (
 class TaskModel:
     """One task's rows with what its charts share."""
 
-    def __init__(self, name, rows):
+    def __init__(self, name, rows, all_looks=None):
         self.name, self.text = name, tasks.text(name)
         self.rows = rows
-        self.soft = [r for r in rows if not r.hard]
-        self.looks = looks(rows)
+        self.soft = [r for r in rows if not (r.hard or r.scaling)]
+        self.scaling = [r for r in rows if r.scaling]
+        mine = {r.method for r in rows}
+        self.looks = {m: look for m, look in (all_looks or looks(rows)).items() if m in mine}
         self.datasets = list(dict.fromkeys(r.dataset for r in self.soft))
         self.query_sets = list(dict.fromkeys(r.query_set for r in self.soft if r.query_set))
         self.sizes = sorted({r.size for r in self.soft})
@@ -47,7 +49,9 @@ class TaskModel:
 
 
 def task_models(rows):
-    return [TaskModel(t, [r for r in rows if r.task == t]) for t in dict.fromkeys(r.task for r in rows)]
+    """A method looks the same in every task."""
+    shared = looks(rows)
+    return [TaskModel(t, [r for r in rows if r.task == t], shared) for t in dict.fromkeys(r.task for r in rows)]
 
 
 def chart_list(task):
@@ -95,12 +99,23 @@ def extra_text(row):
     return ", ".join(f"{k} {figure(v) if isinstance(v, (int, float)) else v}" for k, v in shown)
 
 
+def y_of(task, row):
+    """Where the charts of its dataset show a row; those of thread scaling have no place there."""
+    return None if row.scaling else task.layouts[row.dataset].y(row)
+
+
+def numbers(models):
+    """{id of a row: its number in the table}."""
+    listed = (r for task in models for r in (*task.soft, *task.scaling))
+    return {id(r): i for i, r in enumerate(listed)}
+
+
 def table(models):
     """Every row of the charts, as lists in the order of COLUMNS; texts are indices into `strings`."""
     strings, lines = {}, []
     for task in models:
         front, best, slots = marks(task.soft)
-        for r in task.soft:
+        for r in (*task.soft, *task.scaling):
             nodes, primitives = work(r)
             texts = (r.task, r.dataset, r.query_set or "", r.method, knob_text(r.build_knobs), knob_text(r.query_knobs),
                      r.status, r.reason or "", r.claim, r.source, r.peer_version or "", extra_text(r))  # fmt: skip
@@ -108,7 +123,7 @@ def table(models):
                 r.size, r.n, r.run, r.threads, r.query_ns, r.query_ns_low, r.query_ns_high, r.query_cpu_ns,
                 len(r.samples or ()), r.build_s, r.bytes, r.error, r.error_max, r.error_p99, r.error_mean, r.bias,
                 r.error_floor, nodes, extra(r, "leaves"), primitives, extra(r, "recall"), int(id(r) in front),
-                int(id(r) in best), task.layouts[r.dataset].y(r), slots.get(id(r)),
+                int(id(r) in best), y_of(task, r), slots.get(id(r)),
             ])  # fmt: skip
     return {
         "columns": COLUMNS,

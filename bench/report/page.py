@@ -6,7 +6,7 @@ from pathlib import Path
 import vl_convert
 from jinja2 import Environment
 
-from bench.report import charts, ledger, model, pieces
+from bench.report import charts, ledger, model, pieces, series
 from bench.report.pieces import esc
 from bench.report.units import count
 
@@ -19,16 +19,21 @@ def build(rows, pictures, title="Treeline: speed against accuracy"):
     """The whole page as text."""
     models = model.task_models(rows)
     data, sections, nav = {"tasks": {}, "charts": []}, [], []
+    numbers = model.numbers(models)
     for task in models:
+        cards = series.cards(task, numbers)
         listed = list(model.chart_list(task))
         for name, kind, dataset, chart in listed:
             spec = charts.theme(chart).to_dict()
             data["charts"].append({"id": name, "kind": kind, "task": task.name, "dataset": dataset, "spec": spec})
+        for figure in (f for card in cards for f in card.figures):
+            data["charts"].append({"id": figure.name, "kind": "fixed", "task": task.name, "dataset": figure.dataset,
+                                   "title": figure.title, "spec": charts.theme(figure.chart).to_dict()})  # fmt: skip
         data["tasks"][task.name] = {"element": task.text.element, "queryWord": task.text.query,
                                     "runs": task.runs or [0], "threads": task.threads or [None]}  # fmt: skip
         mine = [p for p in pictures if p.task == task.name]
-        sections.append(_section(task, rows, listed, mine))
-        nav.append(_nav(task, mine))
+        sections.append(_section(task, rows, listed, mine, cards))
+        nav.append(_nav(task, mine, cards))
     sections.append(ledger.section(rows))
     nav.append('<a class="task" href="#claims">Claims</a>')
     others = [p for p in pictures if p.task not in data["tasks"]]
@@ -56,9 +61,10 @@ def _safe(script):
     return script.replace("</script", "<\\/script")
 
 
-def _nav(task, pictures):
+def _nav(task, pictures, cards):
     name = task.name
     links = [f'<a class="task" href="#{name}">{esc(task.text.title)}</a>', f'<a href="#{name}-winners">Winners</a>']
+    links += [f'<a href="#{card.name}">{esc(card.title)}</a>' for card in cards]
     links += [f'<a class="sub" href="#{name}-{k}">{esc(d)}</a>' for k, d in enumerate(task.datasets)]
     if task.datasets:
         links.append(f'<a href="#{name}-advice">Advice</a>')
@@ -149,7 +155,7 @@ def _busy(rows):
             "trust close calls.</p>")  # fmt: skip
 
 
-def _section(task, rows, listed, pictures):
+def _section(task, rows, listed, pictures, cards):
     name, text = task.name, task.text
     blocks = [
         f'<section id="{name}"><h2>{esc(text.title)}</h2>',
@@ -160,6 +166,7 @@ def _section(task, rows, listed, pictures):
                      for r in task.runs)  # fmt: skip
     if tables:
         blocks.append(f'<h3 id="{name}-winners">Winners</h3>{tables}')
+    blocks += [pieces.figures(card) for card in cards]
     if task.datasets:
         blocks.append(_toolbar(task, rows))
         by_dataset = {d: [(n, k) for n, k, of, _ in listed if of == d] for d in task.datasets}
@@ -200,5 +207,6 @@ def _card(task, k, dataset, listed):
                     for name, kind in listed)  # fmt: skip
     return (f'<article class="card" id="{task.name}-{k}" data-task="{task.name}" data-dataset="{esc(dataset)}">'
             f'<h3>{esc(dataset)} <small class="size"></small></h3><div class="grid">{boxes}</div>'
-            '<p class="absent"></p><details><summary>Table of all figures</summary><div class="scroll figures"></div>'
+            f'{pieces.rungs(task, dataset)}<p class="absent"></p><details class="all"><summary>Table of all figures</summary>'
+            '<div class="scroll figures"></div>'
             "</details></article>")  # fmt: skip

@@ -2,7 +2,7 @@
 
 from html import escape as esc
 
-from bench.report import palette, stability
+from bench.report import approximate, palette, stability
 from bench.report.units import count, duration
 from bench.report.winners import largest, mean_ratio, winners
 
@@ -44,15 +44,15 @@ def winners_table(task, run):
     threads = min(w.threads or 1 for w in found)
     cells = {(w.dataset, w.query_set): w for w in found if (w.threads or 1) == threads}
     sets = [s for s in task.query_sets if any((d, s) in cells for d in task.datasets)]
-    head = "".join(f"<th scope=col>{esc(s)}</th>" for s in sets)
+    head = "".join(f"<th scope=col>{_breakable(s)}</th>" for s in sets)
     lines = []
     for k, dataset in enumerate(task.datasets):
         of_dataset = [cells.get((dataset, s)) for s in sets]
         if any(of_dataset):
             size = next(w.size for w in of_dataset if w)
             row = "".join(_winner(task, k, s, w) for s, w in zip(sets, of_dataset))
-            lines.append(f'<tr><th scope=row><a href="#{task.name}-{k}">{esc(dataset)}</a> <small>{count(size)}</small>'
-                         f"</th>{row}</tr>")  # fmt: skip
+            name = f'<a href="#{task.name}-{k}">{_breakable(dataset)}</a>'
+            lines.append(f"<tr><th scope=row>{name} <small>{count(size)}</small></th>{row}</tr>")
     mean = mean_ratio(found)
     foot = f"Geometric mean of the ratios: ours runs at <b>{mean:.2f}×</b> the speed of the best peer. " if mean else ""
     return (f'<div class="scroll"><table class="winners"><thead><tr><th scope=col>dataset</th>{head}</tr></thead>'
@@ -72,8 +72,45 @@ def _winner(task, k, query_set, w):
         note = f"{w.ratio:.2f}×{'' if w.clear else ' ~'}"
         kind = "even" if not w.clear else "ours" if w.ratio > 1 else "peer"
     return (f'<td class="{kind}"><a href="#{task.name}-{k}" data-task="{task.name}" data-set="{esc(query_set or "")}">'
-            f"{glyph(task.looks[best.method])} {esc(best.method)}</a><br>{duration(best.query_ns)} "
+            f"{glyph(task.looks[best.method])} {_breakable(best.method)}</a><br><span>{duration(best.query_ns)}</span> "
             f"<small>{note}</small></td>")  # fmt: skip
+
+
+def _breakable(name):
+    """A name that may go on in the next line after an underscore."""
+    return esc(name).replace("_", "_<wbr>")
+
+
+def figures(card):
+    """A card of charts that no choice changes."""
+    boxes = "".join(f'<div class="chart"><h4>{esc(f.title)}</h4><div id="{esc(f.name)}" class="plot"></div></div>'
+                    for f in card.figures)  # fmt: skip
+    return (f'<article class="series" id="{card.name}"><h3>{esc(card.title)}</h3><p class="note">{esc(card.caption)}</p>'
+            f'<div class="row">{boxes}</div></article>')  # fmt: skip
+
+
+def rungs(task, dataset):
+    """Our approximate rungs beside FLANN's frontier, at the dataset's largest size."""
+    rows = [r for r in task.of(dataset) if r.run == task.runs[0] and r.threads == task.threads[0]]
+    size = max((r.size for r in rows), default=0)
+    by_set = approximate.by_set([r for r in rows if r.size == size]) if task.name == "knn" else {}
+    if not by_set:
+        return ""
+    lines = []
+    for name, found in by_set.items():
+        for r in found:
+            told = "none finds as much" if r.rival is None else f"{esc(r.rival.method)}, {duration(r.rival.query_ns)}"
+            ratio = "" if r.ratio is None else f"{r.ratio:.1f}×"
+            lines.append(f"<tr><td>{esc(name)}</td><td>{esc(r.name)}</td><td>{r.recall:.4f}</td>"
+                         f"<td>{duration(r.row.query_ns)}</td><td>{told}</td><td>{ratio}</td><td>{r.verdict}</td></tr>")  # fmt: skip
+    heads = ("query set", "our rung", "recall", "time", "FLANN's fastest of that recall", "FLANN / ours", "FLANN's frontier")
+    head = "".join(f"<th scope=col>{h}</th>" for h in heads)
+    every = [r for found in by_set.values() for r in found]
+    where = f"at {count(size)} {task.text.element}s, all nearest-neighbour sets"
+    return (f'<p class="rungs-told"><b>Approximate rungs</b> {where}: {esc(approximate.summary(every))}</p>'
+            "<details><summary>Each rung at its recall</summary>"
+            f'<div class="scroll"><table class="plain"><thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody>'
+            "</table></div></details>")  # fmt: skip
 
 
 def matrix_table(task):

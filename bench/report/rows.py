@@ -55,6 +55,11 @@ class Row:
         return self.block.startswith("hard/")
 
     @property
+    def scaling(self):
+        """Of thread scaling, which has a chart of its own (see Task::scaling_blocks)."""
+        return (self.query_set or "").endswith("_threads")
+
+    @property
     def failed(self):
         return self.status in FAILURES
 

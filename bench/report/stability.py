@@ -6,16 +6,17 @@ from bench.report.frontier import RIGHT, shown_error
 from bench.report.rows import plain
 from bench.report.units import figure
 
-# Worst first: the statuses of rows, and "inexact" for a row that is ok by its method's claim, yet not right.
+# Worst first: the statuses of rows, and "inexact" for a row that is ok by its method's claim, yet not right. A refusal
+# is news, that an approximate method errs is none: where one query set was refused, the cell says so.
 # Letter and word go with the colour, which alone would not reach everybody.
 LETTERS = {
-    "crashed": "C", "timeout": "T", "out_of_memory": "M", "wrong": "W", "inexact": "≈", "refused": "R", "ok": "✓",
+    "crashed": "C", "timeout": "T", "out_of_memory": "M", "wrong": "W", "refused": "R", "inexact": "≈", "ok": "✓",
     "unsupported": "–", "not_built": "·",
 }  # fmt: skip
 WORDS = {
     "crashed": "crashed", "timeout": "ran past its time limit", "out_of_memory": "ran out of memory",
-    "wrong": "wrong answer", "inexact": "errs, as its own claim allows", "refused": "refused with a clear error", "ok": "right",
-    "unsupported": "has no such query", "not_built": "not built",
+    "wrong": "wrong answer", "refused": "refused with a clear error", "inexact": "errs, as its own claim allows", "ok": "right",
+    "unsupported": "has no such query, or was not tried", "not_built": "not built",
 }  # fmt: skip
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import altair as alt
 import vl_convert
 
-from bench.report import charts, stability
+from bench.report import charts, series, stability
 from bench.report.model import points
 from bench.report.units import count
 
@@ -56,6 +56,10 @@ def _charts(task):
                 label = f"{label} per {task.text.element}, log"
                 chart = charts.lanes_chart(_data(task, at_size), field, label, methods, task.looks, False, 460)
                 yield f"{_file_name(task.name, dataset, field)}", chart.properties(title=f"{dataset}, {count(size)}")
+    numbers = {id(r): i for i, r in enumerate((*task.soft, *task.scaling))}
+    for card in series.cards(task, numbers, 460, True):
+        for figure in card.figures:
+            yield _file_name(figure.name), figure.chart.properties(title=figure.title)
     cases, columns, cells = stability.matrix(task.rows, task.looks)
     if cases:
         yield f"{task.name}-stability", _matrix(task, cases, columns, cells)

@@ -27,7 +27,20 @@ TASKS = {
          ("knn1_off, knn8_off, knn32_off", "the 1, 8 or 32 nearest of a position anywhere in the cloud's box"),
          ("knn8_far", "the 8 nearest of a position two to four diagonals of that box away"),
          ("radius_self", "all within a radius, chosen to hold about 30 points, of a point of the cloud"),
-         ("box_self", "all in a box of about 30 points around a point of the cloud"))),
+         ("box_self", "all in a box of about 30 points around a point of the cloud"),
+         ("knn8_threads, radius_threads", "the same as those ending in _self, many more queries, for thread scaling"))),
+    "knn_dynamic": TaskText(
+        "Points that come and go",
+        "What does it cost that points come and go, and what do queries lose by it?",
+        "point", "operation", "mean relative error",
+        "As for neighbours in point clouds, over the points that are there when a query is asked; what has gone is no "
+        "answer. Timed is a whole life: twice as many points come as are there at a time, and from then on as many go. "
+        "An operation is a point that comes, a point that goes, or a query.",
+        (("single", "one point at a time; the oldest go. Building anew is not tried"),
+         ("batches128, batches16, batches4", "the cloud in 128, 16 or 4 batches; the oldest go"),
+         ("random16", "in 16 batches; random points go"),
+         ("asked16", "in 16 batches; after each the 8 nearest of every point that came are asked for"),
+         ("knn8_after", "the 8 nearest of points, where 128 batches to the cloud have left it"))),
     "knn_nd": TaskText(
         "Neighbours in many dimensions",
         "Which rows of a matrix of many columns lie nearest to a query that is not among them?",

@@ -58,7 +58,7 @@ def apart(a, b):
 
 def winners(rows):
     found = []
-    for (run, task, _, _, query_set, threads), group in groups(r for r in rows if not r.hard).items():
+    for (run, task, _, _, query_set, threads), group in groups(r for r in rows if not (r.hard or r.scaling)).items():
         ours = fastest_exact(r for r in group if r.source == "ours")
         peer = fastest_exact(r for r in group if r.source == "peer")
         if ours or peer:

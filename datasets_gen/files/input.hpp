@@ -19,7 +19,8 @@ namespace treeline::datasets::files {
 /// The whole file, and how to complain about it.
 struct Input {
   std::filesystem::path path;
-  std::string bytes;
+  std::string bytes;    // without the mark below
+  bool marked = false;  // begins with UTF-8's byte order mark, as some editors and spreadsheets write it
 
   [[noreturn]] void fail(std::string place, std::string problem) const {
     throw FileError(path, std::move(place), std::move(problem));

@@ -36,6 +36,17 @@ Input load(const std::filesystem::path& path) {
   return in;
 }
 
+/// Formats that are text, or at least begin as text.
+constexpr std::string_view markable[] = {"ply", "obj", "off", "xyz", "txt", "csv"};
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+
+void take_mark_off(Input& in, const std::string& extension) {
+  if (!in.bytes.starts_with(byte_order_mark) || std::ranges::find(markable, extension) == std::end(markable))
+    return;
+  in.bytes.erase(0, byte_order_mark.size());
+  in.marked = true;
+}
+
 struct Loaded {
   Raw raw;
   Coordinates coordinates;  // from the check, where the library gives floats only
@@ -106,10 +117,11 @@ std::vector<geometry::Vec3f> to_float(const Input& in, const Raw& raw, Coordinat
 }  // namespace files
 
 Dataset read(const std::filesystem::path& path) {
-  const files::Input in = files::load(path);
+  files::Input in = files::load(path);
   std::string extension = path.extension().string();
   if (!extension.empty()) extension.erase(0, 1);
   std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  files::take_mark_off(in, extension);
 
   files::Loaded loaded = files::load_by(in, extension);
   files::Raw& raw = loaded.raw;

@@ -100,11 +100,11 @@ Raw read_openmesh(const Input& in, const std::string& format, const Checked& che
   IO::Options options;
   if (checked.binary) options += IO::Options::Binary;
   bool good = false;
-  if (checked.text.empty()) {
+  if (checked.text.empty() && !in.marked) {
     std::ifstream stream(in.path, std::ios::binary);
     good = IO::IOManager().read(stream, format, arrays, options);
   } else {
-    std::istringstream stream(checked.text);
+    std::istringstream stream(checked.text.empty() ? in.bytes : checked.text);
     good = IO::IOManager().read(stream, format, arrays, options);
   }
   if (!good) in.fail("", "OpenMesh cannot read it, though its structure is sound");

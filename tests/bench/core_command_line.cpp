@@ -1,6 +1,7 @@
 // Bad arguments are named and end with status 2; what matches nothing ends with 1.
 #include <gtest/gtest.h>
 
+#include <set>
 #include <thread>
 
 #include "core_helper.hpp"
@@ -28,14 +29,15 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Bad{"--nonsense", "--nonsense"}, Bad{"--profile huge", "--profile"}, Bad{"stray", "stray"},
         Bad{"--threads 0", "--threads"}, Bad{"--threads two", "--threads"}, Bad{"--seed -1", "--seed"},
-        Bad{"--seed x", "--seed"}, Bad{"--dataset nowhere", "nowhere"},
-        Bad{"--dataset counting:many", "many"}, Bad{"--dataset counting:-5", "-5"},
-        Bad{"--block 0", "--block"}, Bad{"--block 3", "--block 3"}, Bad{"--block x", "--block"},
-        Bad{"--advise 1e-3", "--advise"}, Bad{"--advise -1 --dataset counting", "--advise"},
-        Bad{"--advise nan --dataset counting", "--advise"}, Bad{"--advise x --dataset counting", "--advise"},
-        Bad{"--input ''", "--input"}, Bad{"--input '' --dataset counting", "--input"},
-        Bad{"--advise '' --dataset counting", "--advise"}, Bad{"--rows ''", "--rows"},
-        Bad{"--stress --stress-seconds -1", "--stress-seconds"},
+        Bad{"--seed x", "--seed"}, Bad{"--seed 18446744073709551616", "--seed"}, Bad{"--seed 1.5", "--seed"},
+        Bad{"--scaling --stress", "--scaling"}, Bad{"--scaling --threads 2", "--scaling"},
+        Bad{"--dataset nowhere", "nowhere"}, Bad{"--dataset counting:many", "many"},
+        Bad{"--dataset counting:-5", "-5"}, Bad{"--block 0", "--block"}, Bad{"--block 3", "--block 3"},
+        Bad{"--block x", "--block"}, Bad{"--advise 1e-3", "--advise"},
+        Bad{"--advise -1 --dataset counting", "--advise"}, Bad{"--advise nan --dataset counting", "--advise"},
+        Bad{"--advise x --dataset counting", "--advise"}, Bad{"--input ''", "--input"},
+        Bad{"--input '' --dataset counting", "--input"}, Bad{"--advise '' --dataset counting", "--advise"},
+        Bad{"--rows ''", "--rows"}, Bad{"--stress --stress-seconds -1", "--stress-seconds"},
         Bad{"--stress --stress-seconds nan", "--stress-seconds"},
         Bad{"--stress --stress-bytes 0", "--stress-bytes"},
         Bad{"--benchmark_repetitions=-1", "--benchmark_repetitions"},
@@ -59,6 +61,34 @@ TEST(CommandLine, RowsCarryTheThreadsThatThereAre) {
   if (there == 0 || there >= 4096) GTEST_SKIP() << "a machine of unknown or enormous size";
   EXPECT_NE(run.err.find("--threads 4096"), std::string::npos) << run.err;
   for (const Json& row : read_rows(folder / "rows")) EXPECT_EQ(row["threads"], there);
+}
+
+TEST(CommandLine, EverySeedOf64BitsIsTaken) {
+  const TemporaryFolder folder;
+  for (const std::string seed : {"0", "18446744073709551615"}) {
+    const auto run =
+        run_fake("--profile smoke --benchmark_filter=/exact/ --seed " + seed + " --rows " + (folder / seed));
+    EXPECT_EQ(run.status, 0) << run.err;
+    for (const Json& row : read_rows(folder / seed)) EXPECT_EQ(row["seed"].dump(), seed);
+  }
+}
+
+TEST(CommandLine, ScalingMeasuresAtEveryPowerOfTwoThreads) {
+  const TemporaryFolder folder;
+  const auto run = run_fake("--scaling --rows " + (folder / "rows") + quickly);
+  EXPECT_EQ(run.status, 0) << run.err;
+  std::map<int, std::set<std::string>> methods;
+  for (const Json& row : read_rows(folder / "rows"))
+    if (row["status"] == "ok") methods[row["threads"]].insert(row["method"]);
+  const int there = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  std::set<int> wanted{1, there}, found;
+  for (int t = 2; t < there; t *= 2) wanted.insert(t);
+  for (const auto& [threads, names] : methods) {
+    found.insert(threads);
+    EXPECT_TRUE(names.contains("exact"));
+    EXPECT_FALSE(names.contains("rough")) << "a method that does not scale";
+  }
+  EXPECT_EQ(found, wanted);
 }
 
 TEST(CommandLine, FilterThatMatchesNothingIsStatusOne) {

@@ -168,6 +168,8 @@ FakeTask::FakeTask() {
     if (info.name == "rough") info.query_knobs = {Knobs::object(), {{"slower", 10.0}}};
     if (info.name == "segfault_late") info.query_knobs = {Knobs::object(), {{"late", true}}};
     if (info.name == "small_only") info.largest_n = 500;
+    if (info.name == "rough") info.scales = false;
+    if (info.name == "close" && in_stress()) info.sweep_up_to_n = 40, info.stress_builds = {0, 1};
     methods_.push_back(info);
   };
   for (const Behaviour& b : calm) {
@@ -191,6 +193,8 @@ std::vector<BlockSpec> FakeTask::hard_blocks() const {
   return {{case_with(datasets::Expect::answers), 0, true},
           {case_with(datasets::Expect::answers_or_refuses), 0, true}};
 }
+
+std::vector<BlockSpec> FakeTask::scaling_blocks(Profile) const { return {{"counting", 100}}; }
 
 std::unique_ptr<Block> FakeTask::open(const BlockSpec& spec, const RunContext& context) const {
   return std::make_unique<FakeBlock>(*this, spec.hard ? 50 : spec.n, context.seed,

@@ -15,6 +15,7 @@ class FakeTask : public Task {
   std::vector<std::pair<std::string, std::string>> not_built() const override;
   std::vector<BlockSpec> blocks(Profile) const override;
   std::vector<BlockSpec> hard_blocks() const override;
+  std::vector<BlockSpec> scaling_blocks(Profile) const override;
   datasets::Kind dataset_kind() const override { return datasets::Kind::cloud; }
   std::unique_ptr<Block> open(const BlockSpec&, const RunContext&) const override;
   std::unique_ptr<Block> open(datasets::Dataset, const RunContext&) const override;

@@ -54,6 +54,41 @@ TEST(RowFile, WholeRowWithoutItsLineEndIsKept) {
   EXPECT_EQ(rows[1]["method"], "c");
 }
 
+std::string line_of(const std::string& method, const std::string& field, const std::string& value) {
+  Json row = Json::parse(row_named(method).to_line());
+  row[field] = value;
+  return row.dump() + "\n";
+}
+
+TEST(RowFile, RowsOfAnotherMachineAreRefusedAndLeftAlone) {
+  for (const std::string field : {"host", "cpu", "isa"}) {
+    const TemporaryFolder folder;
+    const std::string before = line_of("a", "time", "earlier") + line_of("b", field, "of yesteryear");
+    std::ofstream(folder / "rows") << before;
+    try {
+      RowFile file(folder / "rows", true, "fake");
+      FAIL() << field;
+    } catch (const UsageError& e) {
+      for (const std::string word : {std::string("line 2"), field, std::string("of yesteryear")})
+        EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
+    }
+    EXPECT_EQ(read_text(folder / "rows"), before);
+  }
+}
+
+TEST(RowFile, RowsOfAnotherBuildAreContinuedButTold) {
+  for (const std::string field : {"commit", "compiler", "flags"}) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "rows") << line_of("a", field, "of yesteryear");
+    const RowFile file(folder / "rows", true, "fake");
+    EXPECT_NE(file.finished(row_named("a")), nullptr);
+    EXPECT_NE(file.other_build().find(field + " 'of yesteryear'"), std::string::npos) << file.other_build();
+  }
+  const TemporaryFolder folder;
+  std::ofstream(folder / "rows") << row_named("a").to_line() << "\n";
+  EXPECT_EQ(RowFile(folder / "rows", true, "fake").other_build(), "");
+}
+
 TEST(RowFile, ForeignTextWithoutALineEndIsRefusedAndLeftAlone) {
   const TemporaryFolder folder;
   for (const std::string text :

@@ -110,6 +110,19 @@ def block_rows(rng, task, dataset, n):
     yield row(task, f"{dataset}:{n}", dataset, n, missing, None, {}, {}, status="not_built", reason="package absent")
 
 
+def thread_rows(rng, task, dataset, n):
+    """Of --scaling, on one and two threads."""
+    for threads in (1, 2):
+        for method in TASKS[task][0]:
+            name, _, _, claim, builds, queries, base, _, build_ns, _ = method
+            if claim != "exact" or name == "brute_force":
+                continue
+            faster = 1 if threads == 1 else rng.uniform(1.7, 2)
+            figures = timed(rng, base / faster, 0) | {"build_s": build_ns * n * 1e-9 / (faster if name == "bvh" else 1)}
+            yield row(task, f"{dataset}:{n}", dataset, n, method, "knn8_threads", builds[0], queries[0],
+                      threads=threads, **figures)  # fmt: skip
+
+
 def stress_rows(rng, task):
     for case in HARD:
         for method in TASKS[task][0]:
@@ -168,9 +181,13 @@ def make(folder, sizes=(10_000, 100_000, 1_000_000), seed=1):
     files = []
     for task, (_, datasets, _) in TASKS.items():
         soft = [r for d in datasets for n in sizes for r in block_rows(rng, task, d, n)]
-        for name, entries in ((f"{task}.jsonl", soft), (f"{task}.stress.jsonl", list(stress_rows(rng, task)))):
-            write(folder / name, entries)
-            files.append(folder / name)
+        stress, threads = list(stress_rows(rng, task)), []
+        if task == "knn":
+            threads = list(thread_rows(random.Random(seed), task, datasets[0], sizes[-1]))
+        for name, entries in ((f"{task}.jsonl", soft), (f"{task}.stress.jsonl", stress), (f"{task}.threads.jsonl", threads)):
+            if entries:
+                write(folder / name, entries)
+                files.append(folder / name)
         pictures(folder / "pictures" / task, rng, task)
     return files
 

@@ -13,7 +13,8 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
 import report_fixture as fixture
-from bench.report import advice, claims, compare, frontier, layout, ledger, model, pictures, rows, stability, units, winners
+from bench.report import (advice, approximate, claims, compare, frontier, layout, ledger, model, pictures, rows, series,
+                          stability, units, winners)  # fmt: skip
 
 METHOD = ("kd_tree", "kd", "ours", "exact")
 PEER = ("nanoflann", "kd", "peer", "exact")
@@ -229,6 +230,13 @@ class Stability(unittest.TestCase):
             self.assertEqual(set(table), {*rows.STATUSES, "inexact"})
             self.assertEqual(len(set(table.values())), len(rows.STATUSES) + 1)
 
+    def test_a_refusal_shows_though_the_method_errs_elsewhere(self):
+        hard = lambda query_set, status, error: made(LOOSE, None, error, query_set=query_set, status=status) | {
+            "block": "hard/negative", "dataset": "negative"}
+        found = list(read(hard("knn8", "ok", 0.3), hard("radius", "refused", None)))
+        _, columns, cells = stability.matrix(found, ["forest"])
+        self.assertEqual(cells["negative", columns[0]].letter, "R")
+
     def test_builds_have_columns_of_their_own_and_allowed_errors_show(self):
         def hard(robust, error):
             return made(LOOSE, None, error, build={"quality": "low", "robust": robust}) | {
@@ -285,6 +293,23 @@ class Claims(unittest.TestCase):
             self.assertIn(f"{contest}: {claims.PLACES['off']}", v.condition)
         self.assertNotIn(claims.PLACES["self"], v.condition)
 
+    def test_a_size_at_which_it_fails_is_not_averaged_away(self):
+        entries = self.trees(50, 200, sizes=(1000,)) + self.trees(105, 100, sizes=(100_000,))
+        v = self.verdict("S1", entries)
+        self.assertTrue(all(supports for *_, supports in v.figures))  # over both sizes together
+        self.assertEqual(v.word, claims.ONLY_IF)
+        self.assertIn("(at 1k points)", v.condition)
+        self.assertEqual(set(v.spread), {("1k 0.25, 100k 1.05", "")})
+
+    def test_clouds_that_contradict_are_named(self):
+        v = self.verdict("S1", self.trees(20, 100, datasets=EVEN[:2]) + self.trees(150, 100, datasets=EVEN[2:]))
+        self.assertEqual({against for _, against in v.spread}, {"grid 1.5"})
+
+    def test_a_rival_that_was_not_there_is_told(self):
+        entries = self.trees(100, 200, sizes=(1000, 2000))
+        v = self.verdict("S1", [e for e in entries if e["family"] != "bsp" or e["n"] == 1000])
+        self.assertIn("without bsp_tree among the binary trees at 2k points", v.coverage)
+
     def test_the_best_of_each_family_is_another_contest(self):
         wide = [made(("bvh16", "bvh", "ours", "exact"), 20, dataset=d, query_set=s) for d in EVEN for s in ASKED]
         v = self.verdict("S1", self.trees(100, 200) + wide)
@@ -336,6 +361,81 @@ class Claims(unittest.TestCase):
         text = ledger.section(read(*self.trees(100, 200)))
         for words in ("S1", claims.HOLDS, "uniform_ball", "0.5", "rows.jsonl:1", claims.NOT_RUN):
             self.assertIn(words, text)
+
+
+class Series(unittest.TestCase):
+    @staticmethod
+    def threaded(method, ns, threads, *, build_s=1.0, **values):
+        return made(method, ns, low=0.9 * ns, high=1.1 * ns, query_set="knn8_threads", build_s=build_s, **values) | {
+            "threads": threads}  # fmt: skip
+
+    def test_speedup_is_of_the_configuration_that_is_fastest_alone(self):
+        slow, fast = {"leaf": 1}, {"leaf": 2}
+        found = list(read(self.threaded(METHOD, 200, 1, build=slow), self.threaded(METHOD, 50, 2, build=slow),
+                          self.threaded(METHOD, 100, 1, build=fast), self.threaded(METHOD, 60, 2, build=fast),
+                          self.threaded(METHOD, 40, 4, build=fast), self.threaded(PEER, 90, 2)))  # fmt: skip
+        told = {(r.method, r.threads): (times, low, high) for r, times, low, high in series.speedups(found, "query_ns")}
+        self.assertEqual(set(told), {("kd_tree", 2), ("kd_tree", 4)})  # the peer has no time alone to compare with
+        for threads, ns in ((2, 60), (4, 40)):
+            for figure, right in zip(told["kd_tree", threads], (100 / ns, 90 / (1.1 * ns), 110 / (0.9 * ns))):
+                self.assertAlmostEqual(figure, right)
+
+    def test_wrong_answers_have_no_speedup_and_builds_are_counted_once(self):
+        found = list(read(self.threaded(METHOD, 100, 1, build_s=4.0), self.threaded(METHOD, 50, 2, build_s=2.5),
+                          self.threaded(PEER, 10, 1, status="wrong", error=1.0), self.threaded(PEER, 5, 2)))  # fmt: skip
+        self.assertEqual([(r.method, x) for r, x, _, _ in series.speedups(found, "build_s")], [("kd_tree", 1.6)])
+        self.assertEqual([r.method for r, *_ in series.speedups(found, "query_ns")], ["kd_tree"])
+
+    def test_thread_rows_stay_out_of_every_other_chart(self):
+        found = read(made(), self.threaded(METHOD, 1, 1), self.threaded(METHOD, 0.5, 2))
+        (task,) = model.task_models(found)
+        self.assertEqual((len(task.soft), len(task.scaling), task.query_sets), (1, 2, ["k8"]))
+        self.assertEqual([w.query_set for w in winners.winners(found)], ["k8"])
+        (card,) = series.cards(task, model.numbers([task]))
+        self.assertEqual([f.title for f in card.figures], ["knn8: cube, 1k points", "build: cube, 1k points"])
+
+    def test_one_thread_alone_makes_no_chart(self):
+        (task,) = model.task_models(read(made(), self.threaded(METHOD, 1, 1)))
+        self.assertEqual(series.cards(task, model.numbers([task])), [])
+
+    def test_batches_are_charted_by_the_fastest_right_configuration(self):
+        at = lambda batch, ns, query_set="batches16", method=METHOD, **values: made(
+            method, ns, query_set=query_set, **values) | {"knn_batch": batch}
+        found = read(at(1, 300, "single"), at(64, 90), at(64, 80, build={"leaf": 9}), at(64, 10, build={"leaf": 7}, status="wrong",
+                     error=1.0), at(64, 5, "asked16"), at(64, 70, method=PEER), made(query_set="knn8_after"))  # fmt: skip
+        (task,) = model.task_models(found)
+        told = {(r.method, batch): r.query_ns for r, batch in series.batch_points(task, task.soft)}
+        self.assertEqual(told, {("kd_tree", 1): 300, ("kd_tree", 64): 80, ("nanoflann", 64): 70})
+        (card,) = series.cards(task, model.numbers([task]))
+        self.assertEqual(len(card.figures), 1)
+
+
+class Approximate(unittest.TestCase):
+    FOREST, MEANS = ("flann_forest", "forest", "peer", "approximate"), ("flann_kmeans", "kmeans", "peer", "approximate")
+    LEAVES, BOUNDED = ("bvh_leaves", "bvh", "ours", "approximate"), ("bvh_epsilon", "bvh", "ours", "bounded")
+
+    def at(self, method, ns, recall, **query):
+        return made(method, ns, 1 - recall, query_set="knn8_self", query=query) | {"knn_recall": recall}
+
+    def test_each_rung_is_held_against_the_fastest_rival_of_its_recall(self):
+        found = approximate.rungs(list(read(
+            self.at(self.FOREST, 100, 0.5, checks=1), self.at(self.FOREST, 400, 0.9, checks=2), self.at(self.MEANS, 300, 0.95, checks=1),
+            self.at(self.LEAVES, 50, 0.4, leaves=1), self.at(self.LEAVES, 310, 0.9, leaves=2),
+            self.at(self.LEAVES, 600, 0.95, leaves=3), self.at(self.BOUNDED, 999, 0.99, epsilon=1),
+            self.at(METHOD, 10, 1.0), self.at(("x", "kd", "peer", "approximate"), 1, 1.0))))  # fmt: skip
+        self.assertEqual([(r.recall, r.rival and r.rival.query_ns, r.verdict) for r in found],
+                         [(0.4, 100, "beyond"), (0.9, 300, "on"), (0.95, 300, "behind"), (0.99, None, "beyond")])  # fmt: skip
+        text = approximate.summary(found)
+        for words in ("2 of 4 lie beyond", "1 on it, 1 behind", "0.5 at least", "1 find more"):
+            self.assertIn(words, text)
+
+    def test_without_rivals_there_is_no_verdict(self):
+        self.assertEqual(approximate.by_set(list(read(self.at(self.LEAVES, 50, 0.4)))), {})
+
+    def test_answers_outside_the_claim_set_no_frontier(self):
+        wrong = self.at(self.FOREST, 1, 1.0) | {"status": "wrong"}
+        (rung,) = approximate.rungs(list(read(wrong, self.at(self.FOREST, 90, 0.9, checks=9), self.at(self.LEAVES, 50, 0.4))))
+        self.assertEqual((rung.rival.query_ns, rung.verdict), (90, "beyond"))
 
 
 class Comparing(unittest.TestCase):
@@ -392,6 +492,13 @@ class Small(unittest.TestCase):
         looks = list(found[0].looks.values())
         for a, b in itertools.combinations(looks, 2):
             self.assertNotEqual((a.color, a.shape, a.source), (b.color, b.shape, b.source))
+
+    def test_a_method_looks_the_same_in_every_task(self):
+        names = [f"m{i}" for i in range(9)]
+        entries = [made((n, "octree", "peer", "exact")) for n in names]
+        entries += [made((n, "octree", "peer", "exact")) | {"task": "ray"} for n in reversed(names)]
+        knn, ray = model.task_models(read(*entries))
+        self.assertEqual(knn.looks, ray.looks)
 
     def test_a_picture_that_cannot_be_shown_costs_a_warning(self):
         with tempfile.TemporaryDirectory() as folder:

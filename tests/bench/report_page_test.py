@@ -16,8 +16,8 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
 import report_fixture as fixture
-from bench.report import advice, layout, report, rows, static
-from bench.report.model import task_models
+from bench.report import advice, layout, report, rows, series, static
+from bench.report.model import numbers, task_models
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-component-update",
@@ -104,7 +104,12 @@ class Report(unittest.TestCase):
 
     def test_every_chart_is_drawn_with_every_mark(self):
         tasks = len(fixture.TASKS)
-        expected = sum(4 * len(datasets) for _, datasets, _ in fixture.TASKS.values())
+        fixed = [f for t in self.models for card in series.cards(t, numbers(self.models)) for f in card.figures]
+        self.assertEqual([f.name for f in fixed], ["knn-threads-uniform_cube-knn8_threads", "knn-threads-uniform_cube-build"])
+        for figure in fixed:
+            methods = {r.method for t in self.models for r in t.scaling}
+            self.assertEqual(self.seen["charts"][figure.name]["marks"], len(methods))
+        expected = sum(4 * len(datasets) for _, datasets, _ in fixture.TASKS.values()) + len(fixed)
         self.assertEqual((tasks, int(self.page.root["data-drawn"]), len(self.seen["charts"])), (2, expected, expected))
         for task in self.models:
             for k, dataset in enumerate(task.datasets):

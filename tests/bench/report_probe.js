@@ -32,7 +32,7 @@
         document.querySelectorAll(`.card[data-task="${select.id.split("-")[0]}"] .frontier .mark-symbol path`).length;
     }
   }
-  const details = document.querySelector(".card details");
+  const details = document.querySelector(".card details.all");
   details.open = true;
   await pause();
   seen.figures = details.querySelectorAll("tbody tr").length;

@@ -245,6 +245,31 @@ TEST_F(Hostile, CutAndChangedFilesNeverCrash) {
   EXPECT_GT(refusals, 500u);
 }
 
+// Spreadsheets and editors of one system put it in front of text.
+TEST_F(Hostile, AByteOrderMarkIsReadOver) {
+  const std::string mark = "\xEF\xBB\xBF";
+  const std::string ply_head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+      "end_header\n";
+  const std::pair<std::string, std::string> files[] = {
+      {"a.csv", "x,y,z\n0,0,0\n1,0,0\n0,1,0\n"},
+      {"b.xyz", "0 0 0\n1 0 0\n0 1 0\n"},
+      {"c.txt", "0;0;0\n1;0;0\n0;1;0\n"},
+      {"d.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
+      {"e.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"},
+      {"f.ply", ply_head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"}};
+  for (const auto& [name, text] : files) {
+    if (!reads(name.substr(2))) continue;
+    const Dataset plain = read(put(name, text)), marked = read(put(name, mark + text));
+    EXPECT_EQ(marked.kind, plain.kind) << name;
+    EXPECT_EQ(marked.hash(), plain.hash()) << name;
+    EXPECT_EQ(plain.size(), plain.kind == Kind::mesh ? 1u : 3u) << name;
+    EXPECT_THROW(read(put(name, mark)), FileError) << name << " of nothing but the mark";
+    EXPECT_THROW(read(put(name, mark + mark + text)), FileError) << name << " marked twice";
+  }
+}
+
 TEST_F(Hostile, FieldsOfTextClouds) {
   refused("gap.csv", "x,y,z,i\n1,2,3,9\n4,,6,9\n", "line 3", "field 2, y: is empty");
   refused("gap_no_header.csv", "1;2;3;9\n4;5;;9\n", "line 2", "field 3, z: is empty");

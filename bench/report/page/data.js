@@ -10,6 +10,7 @@ const rows = model.table.rows.map((line, i) => {
 });
 const byDataset = new Map();
 for (const row of rows) {
+  if (row.set.endsWith("_threads")) continue; // thread scaling has a chart of its own
   const key = row.task + "/" + row.dataset;
   if (!byDataset.has(key)) byDataset.set(key, []);
   byDataset.get(key).push(row);

@@ -10,7 +10,7 @@ for (const bar of all(".choices")) {
 }
 for (const card of all(".card")) {
   updateCard(card);
-  card.querySelector("details").addEventListener("toggle", () => updateCard(card));
+  card.querySelector("details.all").addEventListener("toggle", () => updateCard(card));
 }
 for (const box of all(".advice")) {
   box.addEventListener("input", () => updateAdvice(box));
