@@ -131,10 +131,15 @@ TYPED_TEST(PointDynamic, BatchesEqualSingleQueriesAndRefuse) {
 // In units in which squared distances vanish, lose digits or overflow, trees rank their own points right; the
 // forest must, across its trees. Distances are compared in double, by their ranks.
 TYPED_TEST(PointDynamic, RanksAcrossTreesAtEveryScale) {
-  const auto points = uniform_cloud<float, 3>(600, 5);
-  const auto queries = uniform_cloud<float, 3>(20, 6);
-  for (const float scale : {1e-25f, 3e-21f, 1e-19f, 1.f, 1e18f, 3e19f, 1e30f}) {
-    Vecs<float, 3> scaled;
+  using T = typename TypeParam::Scalar;
+  const auto points = uniform_cloud<T, 3>(600, 5);
+  const auto queries = uniform_cloud<T, 3>(20, 6);
+  const std::vector<double> scales = std::is_same_v<T, float>
+                                         ? std::vector{1e-25, 3e-21, 1e-19, 1., 1e18, 3e19, 1e30}
+                                         : std::vector{1e-200, 3e-162, 1e-150, 1., 1e150, 3e154, 1e200};
+  for (const double given : scales) {
+    const T scale = static_cast<T>(given);
+    Vecs<T, 3> scaled;
     for (const auto& p : points) scaled.push_back(p * scale);
     DynamicPoints<TypeParam> forest({}, {.block = 8});
     for (std::size_t i = 0; i < scaled.size(); i += 7)
@@ -142,15 +147,16 @@ TYPED_TEST(PointDynamic, RanksAcrossTreesAtEveryScale) {
     for (Id id = 0; id < 600; id += 5) forest.erase(id);
     ASSERT_GT(forest.tree_count(), 2u);
     for (const auto& query : queries) {
-      const geometry::Vec3f q = query * scale;
+      const geometry::Vec<T, 3> q = query * scale;
       const auto distance = [&](Id id) {
-        return geometry::distance(geometry::Vec3d(scaled[id]), geometry::Vec3d(q));
+        const geometry::Vec3d d = geometry::Vec3d(scaled[id]) - geometry::Vec3d(q);
+        return std::hypot(d[0], d[1], d[2]);
       };
       std::vector<double> right;
       for (Id id = 0; id < 600; ++id)
         if (id % 5 != 0) right.push_back(distance(id));
       std::sort(right.begin(), right.end());
-      std::vector<Found> found(8);
+      std::vector<Neighbor<T>> found(8);
       ASSERT_EQ(forest.nearest(q, 8, found), 8u);
       for (std::size_t j = 0; j < 8; ++j) EXPECT_NEAR(distance(found[j].id) / right[j], 1, 1e-6) << scale;
     }
