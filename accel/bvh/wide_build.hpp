@@ -10,7 +10,8 @@
 // buffers; only those between the bounds are selected among. Ranks are multiples of the size of a full
 // subtree, so that all leaves and nodes but the last are full. Cost: O(n log n); about log2(n / 16) passes
 // over the points. Ties are cut anywhere; a run of equal points is put in order of id, so that the lowest
-// come first. The tree does not depend on the number of threads.
+// come first. Points of more digits than float come rounded, from a source that tells ties apart and measures
+// runs anew that float resolves badly. The tree does not depend on the number of threads.
 #pragma once
 
 #include <bit>
