@@ -20,6 +20,7 @@
 
 #include "accel/batch.hpp"
 #include "accel/concepts.hpp"
+#include "accel/point_set.hpp"
 
 namespace treeline::accel {
 
@@ -69,9 +70,10 @@ class DynamicPoints {
   };
   static constexpr std::uint32_t nowhere = 0xffffffffu;
 
+  using Square = typename SquareType<Scalar>::Type;
   using Listed = std::vector<std::pair<Id, Point>>;  // ascending by id
   struct Ranked {
-    double distance2;  // where the scalar's overflows or vanishes, that in double
+    Square distance2;  // where the scalar's overflows or vanishes, that in a wider type
     Found found;
     bool operator<(const Ranked& o) const {
       return distance2 < o.distance2 || (distance2 == o.distance2 && found.id < o.found.id);
@@ -213,9 +215,9 @@ void DynamicPoints<Tree>::nearest_of(const Part& part, const Point& q, std::size
     for (std::size_t i = 0; i < told && s.more.size() < k; ++i) {
       const auto [distance2, local] = s.found[i];
       if (!there_[part.ids[local]]) continue;
-      using Wide = geometry::Vec<double, Point::dimension>;
-      const double ranked =
-          is_sound(distance2) ? static_cast<double>(distance2) : length2(Wide(part.points[local]) - Wide(q));
+      using Wide = geometry::Vec<Square, Point::dimension>;
+      const Square ranked =
+          is_sound(distance2) ? Square(distance2) : length2(Wide(part.points[local]) - Wide(q));
       s.more.push_back({ranked, {distance2, part.ids[local]}});
     }
     if (s.more.size() == k || told < want || want == part.ids.size()) break;
