@@ -76,6 +76,14 @@ class PointQueries {
     append_within(q, radius, out, work);
   }
   void within(const Point& q, T radius, const WithinOptions& options, std::vector<Neighbor<T>>& out) const {
+    check_radius(radius);
+    check_query(q, "query");
+    const bool ranked = options.sorted || options.at_most != WithinOptions{}.at_most;
+    if (ranked && size() > 0 &&
+        (set_.has_small || set_.scale != T(1) || vague_limit(squared_limit(radius)))) {
+      NoWork work;
+      return rank_within(q, radius, options.at_most, out, work);
+    }
     within(q, radius, out);
     if (out.size() > options.at_most) {
       const auto end = out.begin() + static_cast<std::ptrdiff_t>(options.at_most);
@@ -290,10 +298,7 @@ class PointQueries {
     const T reach = out.back().distance2 * (1 + 2 * geometry::tolerance::gamma<T>(D + 2));
     Candidates<T, D> near(set_.wide_scaled(q), std::max(reach, set_.vague_square()));
     tree().visit_near(set_.scaled(q), near, work);
-    // Where T tells distances apart, those that it holds equal are ties, as in any other answer.
-    for (auto& c : near.list)
-      if (c.distance2 >= set_.vague_square() && c.distance2 <= std::numeric_limits<T>::max())
-        c.distance2 = static_cast<T>(c.distance2);
+    round_distances(near.list);
     const std::size_t found = std::min(out.size(), near.list.size());
     std::partial_sort(near.list.begin(), near.list.begin() + static_cast<std::ptrdiff_t>(found),
                       near.list.end());
@@ -315,14 +320,40 @@ class PointQueries {
     const auto shrink = std::max(static_cast<T>(1 / (stretch * stretch)), std::numeric_limits<T>::min());
     return {squared_limit(options.max_distance), shrink, options.max_leaves, options.exact()};
   }
+  /// Where T tells distances apart, those that it holds equal are ties, as in any other answer.
+  static void round_distances(std::vector<typename Candidates<T, D>::Candidate>& list) {
+    for (auto& c : list)
+      if (c.distance2 >= PointSet<T, D>::vague_square() && c.distance2 <= std::numeric_limits<T>::max())
+        c.distance2 = static_cast<T>(c.distance2);
+  }
+
+  /// The at_most nearest within a radius, nearest first, ranked in the wider type: in T, or in the user's
+  /// units, squared distances may vanish or overflow.
+  template <class W>
+  void rank_within(const Point& q, T radius, std::size_t at_most, std::vector<Neighbor<T>>& out,
+                   W& work) const {
+    using Wide = typename PointSet<T, D>::Wide;
+    const Wide wide_radius = static_cast<Wide>(radius) * static_cast<Wide>(set_.scale);
+    const T limit = squared_limit(radius);
+    const bool vague = vague_limit(limit);  // then T does not tell what lies within
+    Candidates<T, D> near(set_.wide_scaled(q), vague ? std::max(limit, set_.vague_square()) : limit);
+    tree().visit_near(set_.scaled(q), near, work);
+    if (vague)
+      std::erase_if(near.list, [&](const auto& c) { return c.distance2 > wide_radius * wide_radius; });
+    round_distances(near.list);
+    const std::size_t found = std::min(at_most, near.list.size());
+    std::partial_sort(near.list.begin(), near.list.begin() + static_cast<std::ptrdiff_t>(found),
+                      near.list.end());
+    out.clear();
+    for (std::size_t i = 0; i < found; ++i)
+      out.push_back({set_.unscaled_square(near.list[i].distance2), near.list[i].id});
+  }
   template <class W>
   std::size_t select_within(const Point& q, T radius, std::span<Neighbor<T>> out, W& work) const {
     std::vector<Neighbor<T>> list;
-    append_within(q, radius, list, work);
-    const std::size_t found = std::min(out.size(), list.size());
-    std::partial_sort_copy(list.begin(), list.end(), out.begin(),
-                           out.begin() + static_cast<std::ptrdiff_t>(found));
-    return found;
+    rank_within(q, radius, out.size(), list, work);
+    std::copy(list.begin(), list.end(), out.begin());
+    return list.size();
   }
   template <class W>
   void append_within(const Point& q, T radius, std::vector<Neighbor<T>>& out, W& work) const {

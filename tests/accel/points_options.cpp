@@ -134,7 +134,11 @@ TYPED_TEST(PointOptions, ListsCountsAndSquaredRadiiAgree) {
       const std::size_t n = tree.nearest(q, 10, ten);
       const T radius = n > 0 ? std::sqrt(ten[n - 1].distance2) : T(1);
       tree.within(q, radius, WithinOptions{.sorted = true}, all);
-      EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));
+      // Where the square vanishes or overflows, the true distance ranks, and no id.
+      EXPECT_TRUE(std::is_sorted(all.begin(), all.end(), [](const auto& a, const auto& b) {
+        return a.distance2 < b.distance2 ||
+               (std::isnormal(a.distance2) && a.distance2 == b.distance2 && a.id < b.id);
+      }));
       EXPECT_EQ(tree.count_within(q, radius), all.size());
       tree.within(q, radius, WithinOptions{.at_most = 3}, some);
       ASSERT_EQ(some.size(), std::min<std::size_t>(3, all.size()));
@@ -189,6 +193,35 @@ TYPED_TEST(PointOptions, SenselessLimitsAreRefused) {
   std::vector<Neighbor<T>> list;
   EXPECT_THROW(tree.count_within({}, -1), InvalidInput);
   EXPECT_THROW(tree.within_squared({}, -1, list), InvalidInput);
+}
+
+// In units in which squared distances vanish or overflow, the nearest within a radius are still the nearest.
+// The ids say how far a point is: point i lies (100 - i) units from the query.
+TYPED_TEST(PointOptions, TheNearestWithinARadiusAtEveryScale) {
+  using T = typename TypeParam::Scalar;
+  const std::vector<double> scales = sizeof(T) == 4 ? std::vector{1e-25, 1e-22, 1e-12, 1., 1e15, 1e18, 1e25}
+                                                    : std::vector{1e-200, 1e-160, 1e-100, 1., 1e150, 1e200};
+  for (const double scale : scales) {
+    Vecs<T, 3> points;
+    for (int i = 0; i < 100; ++i) points.push_back({static_cast<T>((100 - i) * scale), T(0), T(0)});
+    Vecs<T, 3> mixed = points;  // amid others of ordinary size
+    for (int i = 0; i < 200; ++i) mixed.push_back({T(1) + T(i), T(2), T(3)});
+    const geometry::Vec<T, 3> query{};
+    const T radius = static_cast<T>(60.5 * scale);
+    for (const auto& cloud : {points, scale < 1e-2 ? mixed : points}) {
+      SCOPED_TRACE(std::to_string(scale) + ", " + std::to_string(cloud.size()) + " points");
+      const TypeParam tree(cloud);
+      std::vector<Neighbor<T>> list;
+      tree.within(query, radius, {.sorted = true}, list);
+      ASSERT_EQ(list.size(), 60u);
+      for (std::size_t i = 0; i < list.size(); ++i) EXPECT_EQ(list[i].id, 99 - i);
+      tree.within(query, radius, {.at_most = 3}, list);
+      ASSERT_EQ(list.size(), 3u);
+      for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(list[i].id, 99 - i);
+      ASSERT_EQ(tree.nearest(query, 3, NearestOptions<T>{.max_distance = radius}, list), 3u);
+      for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(list[i].id, 99 - i);
+    }
+  }
 }
 
 }  // namespace
