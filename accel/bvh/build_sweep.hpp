@@ -54,7 +54,7 @@ class SweepBuilder {
 
     /// Cheaper, or as cheap and nearer the middle of n.
     bool better_than(const Cut& other, std::size_t n) const {
-      const auto off = [n](std::size_t left) { return left > n / 2 ? left - n / 2 : n / 2 - left; };
+      const auto off = [n](std::size_t at) { return at > n / 2 ? at - n / 2 : n / 2 - at; };
       return cost < other.cost || (cost == other.cost && off(left) < off(other.left));
     }
   };

@@ -25,10 +25,10 @@ class BuildTasks {
     f(), g();
   }
 
-  /// f(begin, end) for pieces of [0, n) that begin at multiples of `piece`.
+  /// f(begin, end) for pieces of [0, n) that begin at multiples of `size`.
   template <class F>
-  void pieces(std::size_t n, F&& f) const {
-    pieces(0, n, f);
+  void pieces(std::size_t n, F&& f, std::size_t size = piece) const {
+    pieces(0, n, f, size);
   }
 
   static constexpr std::size_t worth_a_task = 1 << 13;  // smaller, handing it over costs more than it brings
@@ -36,13 +36,13 @@ class BuildTasks {
 
  private:
   template <class F>
-  void pieces(std::size_t begin, std::size_t end, F& f) const {
-    if (end - begin <= piece || threads_ == 1) {
-      for (; begin < end; begin += piece) f(begin, std::min(end, begin + piece));
+  void pieces(std::size_t begin, std::size_t end, F& f, std::size_t size) const {
+    if (end - begin <= size || threads_ == 1) {
+      for (; begin < end; begin += size) f(begin, std::min(end, begin + size));
       return;
     }
-    const std::size_t middle = begin + ((end - begin + piece - 1) / piece + 1) / 2 * piece;
-    accel::both([&] { pieces(begin, middle, f); }, [&] { pieces(middle, end, f); });
+    const std::size_t middle = begin + ((end - begin + size - 1) / size + 1) / 2 * size;
+    accel::both([&] { pieces(begin, middle, f, size); }, [&] { pieces(middle, end, f, size); });
   }
 
   int threads_;
