@@ -230,16 +230,30 @@ class PlocBuilder {
     }
     tasks_.pieces(n, [&](std::size_t begin, std::size_t end) {
       Counts to = counts[begin / BuildTasks::piece];
-      for (std::size_t i = begin; i < end; ++i) {
-        const std::size_t j = merges(i);
-        if (j != no_partner && j < i) continue;
-        if (j == no_partner) {
-          for (int k = 0; k < 6; ++k) next_.side[k][to.kept] = now_.side[k][i];
-          next_.node[to.kept++] = now_.node[i];
-        } else {
-          merge(now_.node[i], now_.node[j], to.merged);
-          next_.set(to.kept++, nodes_[to.merged], static_cast<std::uint32_t>(to.merged));
-          ++to.merged;
+      // Sorted into those that stay and those that merge first, as which it is no machine can foresee.
+      constexpr std::size_t stretch = 512;
+      struct One {
+        std::uint32_t at, to, with;
+      } stay[stretch + 1], pair[stretch + 1];
+      for (; begin < end; begin += stretch) {
+        std::size_t stays = 0, pairs = 0;
+        for (std::size_t i = begin; i < std::min(end, begin + stretch); ++i) {
+          const std::size_t j = merges(i);
+          const One one{static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(to.kept),
+                        static_cast<std::uint32_t>(j)};
+          stay[stays] = pair[pairs] = one;
+          stays += j == no_partner, pairs += j != no_partner && j > i;
+          to.kept += j == no_partner || j > i;
+        }
+        for (std::size_t k = 0; k < stays; ++k) {
+          const auto [at, place, with] = stay[k];
+          for (int side = 0; side < 6; ++side) next_.side[side][place] = now_.side[side][at];
+          next_.node[place] = now_.node[at];
+        }
+        for (std::size_t k = 0; k < pairs; ++k, ++to.merged) {
+          const auto [at, place, with] = pair[k];
+          merge(now_.node[at], now_.node[with], to.merged);
+          next_.set(place, nodes_[to.merged], static_cast<std::uint32_t>(to.merged));
         }
       }
     });

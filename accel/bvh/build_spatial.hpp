@@ -24,7 +24,7 @@ struct SpatialBuildOptions : BinaryBuildOptions {
   double references = 1.5;  ///< per triangle at most
   double alpha =
       1e-5;  ///< planes are tried where children overlap by more than this share of the root's area
-  double overlap = 0.2;  ///< … and than this share of the node's own
+  double overlap = 0.3;  ///< … and than this share of the node's own
   int spatial_bins = 8;  ///< candidate planes per axis, and one
 };
 
@@ -243,13 +243,21 @@ class SpatialBuilder {
       const PackedBox box = PackedBox::load(from[i]);
       std::int32_t first[4], last[4];
       box.bins(grid.low, grid.scale, grid.last, first, last);
+      std::uint32_t across = 0;
       for (int axis = 0; axis < 3; ++axis) {
-        if (first[axis] == last[axis]) {
-          bins.grow(axis, first[axis], box);
-          ++bins.enter[axis][first[axis]], ++bins.leave[axis][first[axis]];
-        } else {
-          chop(bins, axis, first[axis], last[axis], from[i], grid);
+        if (first[axis] != last[axis]) {
+          across |= 1u << axis;
+          continue;
         }
+        bins.grow(axis, first[axis], box);
+        ++bins.enter[axis][first[axis]], ++bins.leave[axis][first[axis]];
+      }
+      if (across == 0) continue;
+      Chopper chopper(triangles_[from[i].tag(0)]);
+      for (; across != 0; across &= across - 1) {
+        const int axis = std::countr_zero(across);
+        chopper.along(axis);
+        chop(bins, axis, first[axis], last[axis], box, chopper, grid);
       }
     }
     Split best = cheapest(bins, bins.leave, grid, scale);
@@ -258,20 +266,20 @@ class SpatialBuilder {
     return best;
   }
 
-  void chop(Bins& bins, int axis, int first, int last, const Ref& ref, const Grid& grid) const {
-    const PackedBox whole = PackedBox::load(ref);
-    const Chopper chopper(triangles_[ref.tag(0)], axis);
+  static void chop(Bins& bins, int axis, int first, int last, PackedBox whole, const Chopper& chopper,
+                   const Grid& grid) {
     ++bins.enter[axis][first], ++bins.leave[axis][last];
-    PackedBox cut = PackedBox::empty();
-    int corner = 0;
-    for (int bin = first; bin <= last; ++bin) {
-      PackedBox piece = cut;
-      const float plane = grid.plane(axis, bin + 1);
-      if (bin < last) cut = chopper.crossing(plane), piece = merged(piece, cut);
-      for (; corner < 3 && (bin == last || chopper.at(corner) <= plane); ++corner)
-        piece = merged(piece, chopper.corner(corner));
-      bins.grow(axis, bin, intersection(piece, whole));
+    PackedBox pieces[most_bins];
+    pieces[first] = PackedBox::empty();
+    for (int bin = first; bin < last; ++bin) {
+      const PackedBox cut = chopper.crossing(grid.plane(axis, bin + 1));
+      pieces[bin] = merged(pieces[bin], cut), pieces[bin + 1] = cut;
     }
+    for (int i = 0; i < 3; ++i) {
+      PackedBox& piece = pieces[std::clamp(grid.bin(axis, chopper.at(i)), first, last)];
+      piece = merged(piece, chopper.corner(i));
+    }
+    for (int bin = first; bin <= last; ++bin) bins.grow(axis, bin, intersection(pieces[bin], whole));
   }
 
   bool cut(const Part& part, bool swapped, const Grid& grid, Split split, float scale, Part (&parts)[2]) {
@@ -323,7 +331,8 @@ class SpatialBuilder {
 
   /// Returns false if nothing of it lies on that side; the piece is then the whole.
   bool piece_of(const Ref& ref, int axis, float plane, bool right, Ref& piece) const {
-    const Chopper chopper(triangles_[ref.tag(0)], axis);
+    Chopper chopper(triangles_[ref.tag(0)]);
+    chopper.along(axis);
     PackedBox box = chopper.crossing(plane);
     for (int i = 0; i < 3; ++i)
       if (right ? chopper.at(i) >= plane : chopper.at(i) <= plane) box = merged(box, chopper.corner(i));

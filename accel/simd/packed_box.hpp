@@ -25,11 +25,16 @@ struct alignas(32) BoxLanes {
 };
 
 struct PackedBox {
+  using Four = float __attribute__((vector_size(16)));
+
 #if TREELINE_SIMD >= 256
   __m256 r;
 
   static PackedBox load(const BoxLanes& a) { return {_mm256_load_ps(a.v)}; }
   void store(BoxLanes& a) const { _mm256_store_ps(a.v, r); }
+  static PackedBox of(Four negated_low, Four high) {
+    return {_mm256_insertf128_ps(_mm256_castps128_ps256(negated_low), high, 1)};
+  }
   static PackedBox empty() { return {_mm256_set1_ps(-std::numeric_limits<float>::infinity())}; }
   friend PackedBox merged(PackedBox a, PackedBox b) { return {_mm256_max_ps(a.r, b.r)}; }
   friend PackedBox intersection(PackedBox a, PackedBox b) { return {_mm256_min_ps(a.r, b.r)}; }
@@ -44,6 +49,7 @@ struct PackedBox {
 
   static PackedBox load(const BoxLanes& a) { return {simd::load(a.v), simd::load(a.v + 4)}; }
   void store(BoxLanes& a) const { simd::store(a.v, low), simd::store(a.v + 4, high); }
+  static PackedBox of(Four negated_low, Four high) { return {negated_low, high}; }
   static PackedBox empty() {
     const Half none = simd::broadcast(-std::numeric_limits<float>::infinity());
     return {none, none};

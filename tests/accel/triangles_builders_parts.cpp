@@ -57,7 +57,9 @@ TEST(TriangleBuilderParts, ACrossingLiesInItsBox) {
       const float plane =
           i % 7 == 0 ? t.b[axis] : box.low[axis] + random.uniform<float>() * (box.high[axis] - box.low[axis]);
       if (!(box.low[axis] < plane && plane < box.high[axis])) continue;
-      const auto found = Chopper(t, axis).crossing(plane).lanes().box();
+      Chopper chopper(t);
+      chopper.along(axis);
+      const auto found = chopper.crossing(plane).lanes().box();
       const Vec<float, 3> corners[] = {t.a, t.b, t.c};
       for (int k = 0; k < 3; ++k) {
         const Vec<float, 3>&p = corners[k], &q = corners[(k + 1) % 3];
