@@ -118,7 +118,8 @@ class SpatialBuilder {
     }
     float plane(int axis, int bin) const { return low[axis] + step[axis] * static_cast<float>(bin); }
     int bin(int axis, float x) const {
-      return std::clamp(static_cast<int>((x - low[axis]) * scale[axis]), 0, last);
+      const float cell = (x - low[axis]) * scale[axis];  // 0 if not a number, as the vector form has it
+      return cell > 0 ? static_cast<int>(std::min(cell, static_cast<float>(last))) : 0;
     }
   };
 
@@ -139,7 +140,8 @@ class SpatialBuilder {
       const Split by_object = best_object_split(from, r.size, grid, scale);
       Split by_space;
       Grid space(node, options_.spatial_bins);
-      if (r.room_last - r.room_first > r.size && overlaps(by_object, scale, part.box.half_area(scale)))
+      if (r.size > 1 && r.room_last - r.room_first > r.size &&
+          overlaps(by_object, scale, part.box.half_area(scale)))
         by_space = best_plane(from, part, space, scale);
       const double best = std::min(by_object.cost, by_space.cost), area = part.box.half_area(scale);
       if (may_close && !(best + options_.node_cost * area < static_cast<double>(tests) * area))
@@ -147,6 +149,7 @@ class SpatialBuilder {
       if (by_space.cost < by_object.cost) done = cut(part, swapped, space, by_space, scale, parts);
       if (!done && by_object.axis >= 0) done = deal(part, swapped, grid, by_object, parts);
     }
+    if (!done && may_close) return close(part, from, slot);  // the plane cut less than bins promised
     if (!done) halve(part, swapped, parts);
     const auto pair = static_cast<std::uint32_t>(next_.fetch_add(2, std::memory_order_relaxed));
     make_inner(node, pair, pair + 1);

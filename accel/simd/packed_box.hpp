@@ -12,7 +12,7 @@
 namespace treeline::accel::simd {
 
 /// In memory; trivial, so that arrays of it need not be cleared.
-struct alignas(32) BoxLanes {
+struct alignas(TREELINE_SIMD >= 256 ? 32 : 16) BoxLanes {
   float v[8];
 
   std::uint32_t tag(int i) const { return std::bit_cast<std::uint32_t>(v[i ? 7 : 3]); }
@@ -84,24 +84,24 @@ struct PackedBox {
 #endif
   }
 
-  /// For each axis the cell of a grid, min((x - low) scale, last), in which twice the centre lies.
-  void bins_of_sum(const float* low, const float* scale, std::int32_t last, std::int32_t* bin) const {
+  /// For each axis the cell of a grid, min((x - origin) scale, last), in which twice the centre lies.
+  void bins_of_sum(const float* origin, const float* scale, std::int32_t last, std::int32_t* bin) const {
 #if TREELINE_SIMD >= 256
     const __m128 sum = _mm_sub_ps(_mm256_extractf128_ps(r, 1), _mm256_castps256_ps128(r));
-    store_bins(sum, low, scale, last, bin);
+    store_bins(sum, origin, scale, last, bin);
 #else
-    store_bins(simd::sub(this->high, this->low), low, scale, last, bin);
+    store_bins(simd::sub(high, low), origin, scale, last, bin);
 #endif
   }
   /// The cells of its corners.
-  void bins(const float* low, const float* scale, std::int32_t last, std::int32_t* of_low,
+  void bins(const float* origin, const float* scale, std::int32_t last, std::int32_t* of_low,
             std::int32_t* of_high) const {
 #if TREELINE_SIMD >= 256
-    store_bins(_mm_sub_ps(_mm_setzero_ps(), _mm256_castps256_ps128(r)), low, scale, last, of_low);
-    store_bins(_mm256_extractf128_ps(r, 1), low, scale, last, of_high);
+    store_bins(_mm_sub_ps(_mm_setzero_ps(), _mm256_castps256_ps128(r)), origin, scale, last, of_low);
+    store_bins(_mm256_extractf128_ps(r, 1), origin, scale, last, of_high);
 #else
-    store_bins(simd::sub(simd::broadcast(0.0f), this->low), low, scale, last, of_low);
-    store_bins(this->high, low, scale, last, of_high);
+    store_bins(simd::sub(simd::broadcast(0.0f), low), origin, scale, last, of_low);
+    store_bins(high, origin, scale, last, of_high);
 #endif
   }
 
@@ -113,16 +113,19 @@ struct PackedBox {
 
  private:
 #if TREELINE_SIMD >= 128
-  static void store_bins(__m128 x, const float* low, const float* scale, std::int32_t last,
+  static void store_bins(__m128 x, const float* origin, const float* scale, std::int32_t last,
                          std::int32_t* bin) {
-    const __m128 cell = _mm_mul_ps(_mm_sub_ps(x, _mm_loadu_ps(low)), _mm_loadu_ps(scale));
+    const __m128 cell = _mm_mul_ps(_mm_sub_ps(x, _mm_loadu_ps(origin)), _mm_loadu_ps(scale));
     const __m128i i = _mm_min_epi32(_mm_cvttps_epi32(cell), _mm_set1_epi32(last));
     _mm_storeu_si128(reinterpret_cast<__m128i*>(bin), _mm_max_epi32(i, _mm_setzero_si128()));
   }
 #else
-  static void store_bins(Half x, const float* low, const float* scale, std::int32_t last, std::int32_t* bin) {
-    for (int i = 0; i < 3; ++i)
-      bin[i] = std::clamp(static_cast<std::int32_t>((x[i] - low[i]) * scale[i]), 0, last);
+  static void store_bins(Half x, const float* origin, const float* scale, std::int32_t last,
+                         std::int32_t* bin) {
+    for (int i = 0; i < 3; ++i) {
+      const float cell = (x[i] - origin[i]) * scale[i];
+      bin[i] = cell > 0 ? static_cast<std::int32_t>(std::min(cell, static_cast<float>(last))) : 0;
+    }
   }
 #endif
 };
