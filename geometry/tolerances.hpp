@@ -60,6 +60,12 @@ inline constexpr T hit_slack = T(32) * unit_roundoff<T>;
 template <class T>
 inline constexpr T plane_slack = hit_slack<T> + T(8) * unit_roundoff<T>;
 
+/// How far an edge's computed crossing with a plane may be from the true one, along each axis, relative to the
+/// triangle's largest coordinate there: 4 roundings of the parameter and 2 of the product with an edge up to
+/// twice as long, 1 of the sum; 16 covers the 13.
+template <class T>
+inline constexpr T crossing_slack = T(16) * unit_roundoff<T>;
+
 /// Distance within which a corner counts as on an oblique plane, relative to half the diagonal of all
 /// triangles: 3 roundings of the plane's own corners, 5 of the normal, 4 of the distance, and room to find
 /// triangles of one flat wall on one plane.
