@@ -56,6 +56,7 @@ std::vector<Cell> cells_of(const Task& task, const BlockFacts& facts, int thread
   const auto& methods = task.methods();
   for (std::size_t m = 0; m < methods.size(); ++m)
     for (std::size_t b = 0; b < methods[m].build_knobs.size(); ++b) {
+      if (methods[m].hard_cases_only && !facts.spec.hard) break;
       if (b > 0 && facts.n > methods[m].sweep_up_to_n) break;
       if (facts.quick && b >= methods[m].quick_builds) break;
       for (std::size_t s = 0; s < facts.query_sets.size(); ++s)

@@ -32,6 +32,7 @@ void try_build(Block& block, const Cell* first, const Cell* last, const Send& se
   for (const Cell* cell = first; cell != last; ++cell) {
     send("cell " + cell->row.query_set + " " + format_knobs(cell->row.query_knobs));
     try {
+      subject->prepare(cell->query_set, cell->row.threads);
       subject->run(cell->query_set, cell->row.query_knobs, cell->row.threads);
     } catch (...) {
     }

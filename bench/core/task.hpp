@@ -21,6 +21,9 @@ enum class Profile { smoke, quick, full };
 class Subject {
  public:
   virtual ~Subject() = default;
+  /// Brings the subject into the state that the query set is asked in, where that is not how it was built.
+  /// Called before the first run() of each query set; not timed. Throws as run() does.
+  virtual void prepare(std::size_t query_set, int threads) { (void)query_set, (void)threads; }
   /// Answers the whole query set; the only timed part of a query. Answers stay in buffers of the subject.
   /// Throws Unsupported where the method has no such query, any other std::exception to refuse.
   virtual void run(std::size_t query_set, const Knobs& query_knobs, int threads) = 0;
@@ -49,6 +52,7 @@ struct MethodInfo {
   std::size_t sweep_up_to_n = SIZE_MAX;  // above, only the first of build_knobs
   std::size_t quick_builds = SIZE_MAX;   // so many of build_knobs, the best first, in the quick profile
   std::size_t largest_n = SIZE_MAX;      // not run above (brute force); the row says `unsupported`
+  bool hard_cases_only = false;          // an experiment on some of them: nothing to offer anywhere else
 };
 
 struct QuerySet {

@@ -6,7 +6,7 @@
 namespace treeline::bench::ray {
 namespace {
 
-const bool registered = register_tree<accel::KdTree>(
+const bool registered = register_tree<accel::KdTree, sizeof(accel::KdTriangleNode<float>)>(
     {.name = "kd_tree",
      .family = "kd",
      .build_knobs = leaf_size_knobs({8, 4}),
