@@ -6,7 +6,7 @@ from pathlib import Path
 import vl_convert
 from jinja2 import Environment
 
-from bench.report import charts, ledger, model, pieces
+from bench.report import charts, ledger, model, pieces, rays
 from bench.report.pieces import esc
 from bench.report.units import count
 
@@ -24,10 +24,14 @@ def build(rows, pictures, title="Treeline: speed against accuracy"):
         for name, kind, dataset, chart in listed:
             spec = charts.theme(chart).to_dict()
             data["charts"].append({"id": name, "kind": kind, "task": task.name, "dataset": dataset, "spec": spec})
+        fixed = list(rays.chart_list(task))
+        for name, title, _, chart in fixed:
+            spec = charts.theme(chart).to_dict()
+            data["charts"].append({"id": name, "kind": "fixed", "task": task.name, "dataset": "", "title": title, "spec": spec})
         data["tasks"][task.name] = {"element": task.text.element, "queryWord": task.text.query,
                                     "runs": task.runs or [0], "threads": task.threads or [None]}  # fmt: skip
         mine = [p for p in pictures if p.task == task.name]
-        sections.append(_section(task, rows, listed, mine))
+        sections.append(_section(task, rows, listed, fixed, mine))
         nav.append(_nav(task, mine))
     sections.append(ledger.section(rows))
     nav.append('<a class="task" href="#claims">Claims</a>')
@@ -64,6 +68,8 @@ def _nav(task, pictures):
         links.append(f'<a href="#{name}-advice">Advice</a>')
     if any(r.hard for r in task.rows):
         links.append(f'<a href="#{name}-stability">Stability</a>')
+    if rays.hard_lines(task)[1]:
+        links.append(f'<a href="#{name}-figures">Hard cases in figures</a>')
     if pictures:
         links.append(f'<a href="#{name}-pictures">Pictures</a>')
     return "".join(links)
@@ -149,7 +155,7 @@ def _busy(rows):
             "trust close calls.</p>")  # fmt: skip
 
 
-def _section(task, rows, listed, pictures):
+def _section(task, rows, listed, fixed, pictures):
     name, text = task.name, task.text
     blocks = [
         f'<section id="{name}"><h2>{esc(text.title)}</h2>',
@@ -170,6 +176,14 @@ def _section(task, rows, listed, pictures):
                       f"the arrow keys, too.</p>{pieces.advice(task)}")  # fmt: skip
     if matrix := pieces.matrix_table(task):
         blocks.append(f'<h3 id="{name}-stability">Stability: the hard cases</h3>{matrix}')
+    if figures := rays.hard_table(task):
+        blocks.append(f'<h3 id="{name}-figures">Hard cases in figures</h3>{figures}')
+    if moving := rays.moving_table(task):
+        blocks.append(f'<h3 id="{name}-frames">Moving vertices: refit or rebuild?</h3>{moving}')
+    if fixed:
+        boxes = "".join(f'<div class="chart fixed"><h4>{esc(title)}</h4><div id="{chart}" class="plot"></div>'
+                        f'<p class="note">{esc(note)}</p></div>' for chart, title, note, _ in fixed)  # fmt: skip
+        blocks.append(f'<div class="fixed-charts">{boxes}</div>')
     if pictures:
         blocks.append(f'<h3 id="{name}-pictures">Pictures</h3>{pieces.gallery(pictures)}')
     return "".join(blocks) + "</section>"

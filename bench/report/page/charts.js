@@ -42,6 +42,7 @@ function onPoint(_, event, item, value) {
 }
 
 function label(chart, list) {
+  if (chart.kind === "fixed") return chart.title;
   const c = choice(chart.task);
   const words = { frontier: "error against time per query", build: "build time", bytes: "bytes", scaling: "time per query against size" };
   return `${words[chart.kind]}, ${chart.dataset}${c.set ? ", " + c.set : ""}: ${list.length} points; the figures are in the table below the charts`;
@@ -49,7 +50,7 @@ function label(chart, list) {
 
 function refresh(chart) {
   const view = drawn.get(chart.id);
-  if (!view) return null;
+  if (!view || chart.kind === "fixed") return null;
   const box = document.getElementById(chart.id);
   const list = chartRows[chart.kind](chart.task, chart.dataset, choice(chart.task));
   box.classList.toggle("none", list.length === 0);
@@ -61,11 +62,11 @@ async function draw(chart) {
   const box = document.getElementById(chart.id);
   const list = chartRows[chart.kind](chart.task, chart.dataset, choice(chart.task));
   const spec = { ...chart.spec, datasets: { ...chart.spec.datasets, points: list.map(point) } };
-  const { view } = await vegaEmbed(box, spec, { renderer: "svg", actions: false, tooltip: onPoint });
+  const { view } = await vegaEmbed(box, spec, { renderer: "svg", actions: false, ...(chart.kind === "fixed" ? {} : { tooltip: onPoint }) });
   drawn.set(chart.id, view);
   box.setAttribute("role", "img");
   box.setAttribute("aria-label", label(chart, list));
-  box.classList.toggle("none", list.length === 0);
+  box.classList.toggle("none", list.length === 0 && chart.kind !== "fixed");
   box.dataset.marks = String(box.querySelectorAll(".mark-symbol path").length);
   const save = document.createElement("a");
   save.textContent = "SVG";
