@@ -105,9 +105,9 @@ def exact_test(claim, rows):
     for case in claim["cases"]:
         for method in named:
             for row in rows:
-                if (row.task, row.dataset, row.method) != (claim["task"], case, method) or row.status in ("not_built", "unsupported"):
+                if (row.task, row.dataset, row.method) != (claim["task"], case, method):
                     continue
-                judged = row.extra.get(f"{row.task}_judged")
+                judged = row.extra.get(f"{row.task}_judged")  # none: it gave no answers
                 if row.query_set not in claim["query_sets"] or not judged:
                     continue
                 wrong = [1e6 * (row.extra.get(f"{row.task}_{k}") or 0) / judged for k in ("surplus", "missing")]

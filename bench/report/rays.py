@@ -68,8 +68,8 @@ def hard_lines(task):
 
         for words, value in FIGURES:
             add(words, value)
-        ulp_is_bad = lambda v: v > MANY_ULP
-        add("worst t, ulp", lambda r: extra(r, "t_ulp_max"), show=figure, shown=lambda v: any(map(ulp_is_bad, v.values())), bad=ulp_is_bad)
+        add("worst t, ulp", lambda r: extra(r, "t_ulp_max"), show=figure, bad=lambda v: v > MANY_ULP,
+            shown=lambda values: any(v > MANY_ULP for v in values.values()))  # fmt: skip
         if len(lines) == before:
             clean.append(case)
         if case in SLOW:
@@ -90,8 +90,8 @@ def hard_table(task):
                         f"{esc(values.get(c, ''))}</td>" for c in columns)  # fmt: skip
         body.append(f"<tr><th scope=row>{esc(case)} <small>{esc(words)}</small></th>{cells}</tr>")
     note = f" No method errs on {', '.join(clean)}." if clean else ""
-    return (f'<p class="note">Of a million rays, against exact arithmetic and without any allowance for rounding; leaks are rays '
-            f"from inside a closed mesh that met nothing.{esc(note)}</p>"
+    return ('<p class="note">Of a million rays, against exact arithmetic and without any allowance for rounding; leaks are '
+            f"rays from inside a closed mesh that met nothing.{esc(note)}</p>"
             f'<div class="scroll"><table class="matrix figures"><thead><tr><th></th>{head}</tr></thead>'
             f"<tbody>{''.join(body)}</tbody></table></div>")  # fmt: skip
 
@@ -102,7 +102,8 @@ def offset_points(task):
     for row in task.rows:
         hits, found = extra(row, "self_hits_per_million"), OFFSET.match(row.query_set or "")
         if row.hard and hits is not None and found and row.query_set:
-            yield {"offset": float(found[1]), "hits": hits, "method": row.method, "line": columns[row.method, row.configuration[1]].label}
+            label = columns[row.method, row.configuration[1]].label
+            yield {"offset": float(found[1]), "hits": hits, "method": row.method, "line": label}
 
 
 LEAST_OFFSET = 3e-9  # where no offset stands on a logarithmic axis
@@ -123,7 +124,8 @@ def offset_chart(task, width="container"):
         title="offset along the normal, in parts of the largest coordinate, log", values=[LEAST_OFFSET, 1e-8, 1e-7, 1e-6, 1e-5],
         labelExpr=f"datum.value < {1.1 * LEAST_OFFSET} ? 'none' : format(datum.value, '.0e')", gridOpacity=0.5))  # fmt: skip
     y = alt.Y("hits:Q", scale=alt.Scale(type="symlog", constant=100), axis=alt.Axis(
-        title="rays that hit the surface they leave, per million", values=[0, 100, 1e3, 1e4, 1e5, 5e5], format=",", gridOpacity=0.5))  # fmt: skip
+        title="rays that hit the surface they leave, per million", values=[0, 100, 1e3, 1e4, 1e5, 5e5], format=",d",
+        gridOpacity=0.5))  # fmt: skip
     base = alt.Chart(alt.Data(values=values)).encode(x=x, y=y, detail="line:N")
     line = base.mark_line(strokeWidth=1.2, opacity=0.7).encode(stroke=alt.Stroke("method:N", scale=color, legend=None))
     dots = base.mark_point(strokeWidth=1.4, opacity=0.9).encode(
@@ -142,8 +144,8 @@ def offset_note(task):
     by_offset = {}
     for line, offset in smallest.items():
         by_offset.setdefault(offset, []).append(line)
-    return "Smallest offset without a self-hit: " + "; ".join(
-        f"{offset:g} for {'all' if len(by_offset) == 1 else ', '.join(lines)}" for offset, lines in sorted(by_offset.items())) + "."
+    texts = (f"{o:g} for {'all' if len(by_offset) == 1 else ', '.join(lines)}" for o, lines in sorted(by_offset.items()))
+    return f"Smallest offset without a self-hit: {'; '.join(texts)}."
 
 
 def moving_pairs(task):
@@ -189,11 +191,13 @@ def moving_table(task):
         heads = ("method", "built with", "frame", "refit", "rebuild", "ray after refit", "ray after rebuild", "rebuilding pays")
         head = "".join(f"<th scope=col>{h}</th>" for h in heads)
         parts.append(f"<h4>{esc(dataset)}, {n:,} triangles</h4>"
-                     f'<div class="scroll"><table class="plain"><thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody></table></div>')  # fmt: skip
+                     f'<div class="scroll"><table class="plain"><thead><tr>{head}</tr></thead>'
+                     f'<tbody>{"".join(lines)}</tbody></table></div>')  # fmt: skip
     if not parts:
         return ""
-    return ('<p class="note">The mesh is twisted, 0.1 rad more from bottom to top each frame. A refit keeps the tree that was built '
-            "over frame 0 and moves its bounds; times of rays are medians, those of updates the best of three.</p>" + "".join(parts))
+    return ('<p class="note">The mesh is twisted, 0.1 rad more from bottom to top each frame. A refit keeps the tree that was '
+            "built over frame 0 and moves its bounds; times of rays are medians, those of updates the best of three.</p>"
+            + "".join(parts))  # fmt: skip
 
 
 def moving_chart(task, width="container"):

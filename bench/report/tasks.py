@@ -52,7 +52,8 @@ TASKS = {
          ("axis", "the closest hit along an axis: two components of the direction are 0 or −0"),
          ("grazing", "the closest hit of rays almost in a triangle's plane, where t slides"),
          ("edge", "the closest hit of rays aimed at edges and vertices, where leaks show"),
-         ("frame…_refit, frame…_rebuilt", "the closest hit after the vertices have moved, on an index that was refitted, or built anew"))),
+         ("frame…_refit, frame…_rebuilt",
+          "the closest hit after the vertices have moved, on an index that was refitted, or built anew"))),
 }  # fmt: skip
 
 
