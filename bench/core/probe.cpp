@@ -13,7 +13,7 @@ std::vector<Cell> cells_to_try(const Task& task, const BlockFacts& facts, const 
   std::vector<Cell> out;
   for (Cell& cell : cells_of(task, facts, chosen.threads)) {
     const MethodInfo& method = task.methods()[cell.method];
-    if (method.source != Source::peer || facts.n > method.largest_n) continue;
+    if (method.source != Source::peer || facts.n > method.largest(facts.quick)) continue;
     if (!chosen.filter.matches(cell.name) || !has_set(chosen.sets, cell.row.query_set)) continue;
     if (!chosen.finished.finished(cell.row)) out.push_back(std::move(cell));
   }

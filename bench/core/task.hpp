@@ -6,6 +6,7 @@
 // off.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -49,10 +50,13 @@ struct MethodInfo {
   std::vector<Knobs> query_knobs{Knobs::object()};  // swept on one build
   std::vector<std::size_t> stress_builds{0};        // which of build_knobs face the hard cases
   int ladder = 0;  // order from the least model to the richest, for advice at equal cost
-  std::size_t sweep_up_to_n = SIZE_MAX;  // above, only the first of build_knobs
-  std::size_t quick_builds = SIZE_MAX;   // so many of build_knobs, the best first, in the quick profile
-  std::size_t largest_n = SIZE_MAX;      // not run above (brute force); the row says `unsupported`
-  bool hard_cases_only = false;          // an experiment on some of them: nothing to offer anywhere else
+  std::size_t sweep_up_to_n = SIZE_MAX;    // above, only the first of build_knobs
+  std::size_t quick_builds = SIZE_MAX;     // so many of build_knobs, the best first, in the quick profile
+  std::size_t largest_n = SIZE_MAX;        // not run above (brute force); the row says `unsupported`
+  std::size_t quick_largest_n = SIZE_MAX;  // the same where time is short
+  bool hard_cases_only = false;            // an experiment on some of them: nothing to offer anywhere else
+
+  std::size_t largest(bool quick) const { return quick ? std::min(largest_n, quick_largest_n) : largest_n; }
 };
 
 struct QuerySet {

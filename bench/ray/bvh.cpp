@@ -11,7 +11,7 @@ const bool registered =
                                                               .family = "bvh",
                                                               .build_knobs = leaf_size_knobs({8, 2, 4}),
                                                               .ladder = 10,
-                                                              .quick_builds = 2});
+                                                              .quick_builds = 1});
 
 }  // namespace
 }  // namespace treeline::bench::ray

@@ -67,7 +67,7 @@ const bool registered = Registry<Method>::instance().add(
               .build_knobs = embree_builds(),
               .stress_builds = {0, 2},  // medium, fast and robust
               .ladder = 40,
-              .quick_builds = 5},
+              .quick_builds = 4},
      .build = [](const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) -> std::unique_ptr<Index> {
        return std::make_unique<EmbreeSingle>(mesh, knobs, threads);
      }});

@@ -21,7 +21,7 @@ std::size_t rays_per_set(std::size_t n, Profile profile) {
     case Profile::smoke:
       return 256;
     case Profile::quick:
-      return large ? 16384 : 4096;
+      return large ? 8192 : 4096;
     case Profile::full:
       return large ? 262144 : 65536;
   }
@@ -95,7 +95,7 @@ std::vector<BlockSpec> RayTask::blocks(Profile profile) const {
     for (const std::size_t n : {1'000, 10'000, 100'000, 1'000'000, 10'000'000}) {
       const bool quick = n == 100'000 || (n == 1'000 && is({"icosphere"})) ||
                          (n == 10'000 && is({"icosphere", "architecture"})) ||
-                         (n == 1'000'000 && is({"icosphere", "terrain", "architecture", "forest"}));
+                         (n == 1'000'000 && is({"icosphere", "architecture", "forest"}));
       if (profile == Profile::full || quick) blocks.push_back({recipe.name, n});
     }
   }

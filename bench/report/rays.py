@@ -117,11 +117,11 @@ def offset_chart(task, width="container"):
     # Methods mostly agree, so that marks lie on each other: larger ones lie below.
     order = {name: k for k, name in enumerate(dict.fromkeys(v["line"] for v in values))}
     for v in values:
-        v["size"] = 30 + 40 * (len(order) - order[v["line"]])
+        v["size"] = 30 + 15 * (len(order) - order[v["line"]])
     used = {m: look for m, look in task.looks.items() if any(v["method"] == m for v in values)}
     color, shape = charts._scales(used)
     x = alt.X("offset:Q", scale=alt.Scale(type="log", nice=False, padding=14), axis=alt.Axis(
-        title="offset along the normal, in parts of the largest coordinate, log", values=[LEAST_OFFSET, 1e-8, 1e-7, 1e-6, 1e-5],
+        title="offset over the largest coordinate, log", values=[LEAST_OFFSET, 1e-8, 1e-7, 1e-6, 1e-5],
         labelExpr=f"datum.value < {1.1 * LEAST_OFFSET} ? 'none' : format(datum.value, '.0e')", gridOpacity=0.5))  # fmt: skip
     y = alt.Y("hits:Q", scale=alt.Scale(type="symlog", constant=100), axis=alt.Axis(
         title="rays that hit the surface they leave, per million", values=[0, 100, 1e3, 1e4, 1e5, 5e5], format=",d",

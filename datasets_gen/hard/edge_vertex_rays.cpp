@@ -8,7 +8,7 @@
 namespace treeline::datasets::hard {
 namespace {
 
-constexpr std::size_t many = 10'000;  // rays where leaks are counted: one is a hundred in a million
+constexpr std::size_t many = 5'000;   // rays where leaks are counted: one is two hundred in a million
 constexpr std::size_t judged = 1000;  // of those
 
 /// Points well inside the rough sphere (its radius is above 0.8), on the same grid.
