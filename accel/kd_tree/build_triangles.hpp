@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "accel/clip_triangle.hpp"
+#include "accel/padded_ray.hpp"
 #include "accel/triangle_set.hpp"
 #include "geometry/tolerances.hpp"
 
@@ -29,13 +30,14 @@ struct KdTriangleOptions : BuildOptions {
   double step_cost = 1;       ///< of a node, in triangle tests
 };
 
-/// Inner: points below `offset` on `axis` are in the next node, those above in node `link`.
+/// Inner: what is below the plane is in the next node, what is above in node `link`; kept is the plane as the
+/// two see it, widened (padded_ray.hpp): where the part below ends and where the part above begins.
 /// Leaf: references link … link + count - 1.
 template <class T>
 struct KdTriangleNode {
   static constexpr std::uint32_t leaf_axis = 3;
 
-  T offset{};
+  T border[2]{};
   std::uint32_t link = 0;
   std::uint32_t axis : 2 = leaf_axis;
   std::uint32_t count : 30 = 0;
@@ -61,14 +63,9 @@ class KdTriangleBuilder {
                          std::to_string(max_candidates - 2) + "]");
     const std::size_t n = set.items.size();
     if (n == 0) return;
-    double widest = 0, largest = 0;
-    for (int k = 0; k < 3; ++k) {
-      widest = std::max(widest, set.bounds.high[k] * 0.5 - set.bounds.low[k] * 0.5);
-      largest =
-          std::max({largest, std::abs(double(set.bounds.low[k])), std::abs(double(set.bounds.high[k]))});
-    }
+    double widest = 0;
+    for (int k = 0; k < 3; ++k) widest = std::max(widest, set.bounds.high[k] * 0.5 - set.bounds.low[k] * 0.5);
     if (widest > 0) unit_ = 1 / widest;
-    slack_ = static_cast<T>(largest) * geometry::tolerance::closest_slack<T>;
     root_measure_ = measure(set.bounds);
     std::vector<Ref> refs(n);
     for (std::size_t i = 0; i < n; ++i)
@@ -124,14 +121,14 @@ class KdTriangleBuilder {
   }
   static bool goes_above(const Box& b, int axis, T offset) { return b.high[axis] > offset; }
 
-  void build(std::vector<Ref>&& refs, const Box& cell, std::size_t level, double budget) {
+  /// Returns the reach from the centre of the triangles referenced.
+  T build(std::vector<Ref>&& refs, const Box& cell, std::size_t level, double budget) {
     const std::size_t n = refs.size();
     const Split split = level < depth_limit_ && n > 1 ? best_split(refs, cell) : Split{};
     if (!worthwhile(split, n, budget)) return add_leaf(refs, cell, level);
 
     const std::size_t here = nodes.size();
     nodes.emplace_back();
-    nodes[here].offset = split.offset;
     nodes[here].axis = static_cast<std::uint32_t>(split.axis);
     if (root_measure_ > 0) cost += measure(cell) / root_measure_;
 
@@ -149,15 +146,19 @@ class KdTriangleBuilder {
     std::vector<Ref>().swap(refs);
     const double total = static_cast<double>(below.size() + above.size());
     const double below_budget = budget * (static_cast<double>(below.size()) / std::max(total, 1.0));
-    build(std::move(below), below_cell, level + 1, below_budget);
+    const T reach_below = build(std::move(below), below_cell, level + 1, below_budget);
     nodes[here].link = static_cast<std::uint32_t>(nodes.size());
-    build(std::move(above), above_cell, level + 1, budget - below_budget);
+    const T reach_above = build(std::move(above), above_cell, level + 1, budget - below_budget);
+    const T reach = std::max(reach_below, reach_above);
+    const Widened<T> plane(split.offset, split.offset, reach);
+    nodes[here].border[0] = plane.high, nodes[here].border[1] = plane.low;
+    return reach;
   }
 
   void add(std::vector<Ref>& side, const Ref& ref, const Box& cell, bool straddles) const {
     Ref part{intersection(ref.box, cell), ref.index};
     if (straddles && options_.clip) {
-      part.box = clipped_box(set_.items[ref.index].triangle, part.box, slack_);
+      part.box = clipped_box(set_.items[ref.index].triangle, part.box);
       if (part.box.empty()) return;
     }
     side.push_back(part);
@@ -170,18 +171,23 @@ class KdTriangleBuilder {
            split.below + split.above <= n + n / 2;
   }
 
-  void add_leaf(const std::vector<Ref>& refs, const Box& cell, std::size_t level) {
+  T add_leaf(const std::vector<Ref>& refs, const Box& cell, std::size_t level) {
     KdTriangleNode<T> leaf;
     leaf.link = static_cast<std::uint32_t>(references.size());
     leaf.count = static_cast<std::uint32_t>(refs.size());
     if (references.size() + refs.size() > 0xffffffffu)
       throw InvalidInput("more than 2^32 references; lower max_references");
     nodes.push_back(leaf);
-    for (const Ref& ref : refs) references.push_back(ref.index);
+    T reach = 0;
+    for (const Ref& ref : refs) {
+      references.push_back(ref.index);
+      reach = std::max(reach, reach_of(set_.centre, set_.items[ref.index].triangle.box()));
+    }
     ++leaves;
     depth = std::max(depth, level);
     largest_leaf = std::max(largest_leaf, refs.size());
     if (root_measure_ > 0) cost += static_cast<double>(refs.size()) * measure(cell) / root_measure_;
+    return reach;
   }
 
   Planes candidates(const std::vector<Ref>& refs, const Box& cell, int axis) const {
@@ -241,7 +247,6 @@ class KdTriangleBuilder {
   KdTriangleOptions options_;
   std::size_t depth_limit_;
   double unit_ = 0, root_measure_ = 0;
-  T slack_ = 0;
 };
 
 }  // namespace treeline::accel
