@@ -1,0 +1,178 @@
+// From a binary tree over triangles to the wide one: nodes take the place of up to seven binary ones each.
+//
+// A node opens, of the children it has, the inner one with the largest box, as that one is hit most often,
+// until it has eight or only leaves (Wald, Benthin and Boulos 2008). Two passes over the binary tree: the
+// first tells how much room each subtree takes, the second writes, large subtrees side by side. Cost: O(n).
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <string>
+
+#include "accel/batch.hpp"
+#include "accel/bvh/binary_tree.hpp"
+#include "accel/bvh/wide_triangle_layout.hpp"
+#include "geometry/triangle.hpp"
+
+namespace treeline::accel::wide {
+
+/// A tree in memory; `root` is no_ref if there are no triangles.
+struct RayTree {
+  AlignedArray<Line> lines;
+  Ref root = no_ref;
+  std::size_t nodes = 0, leaves = 0, depth = 0, references = 0, largest_leaf = 0;
+  double sah_cost = 0;  // as in TreeStats
+};
+
+class Collapse {
+ public:
+  using Triangle = geometry::Triangle<float>;
+
+  /// ids[i] belongs to triangles[i]; if empty, i does.
+  Collapse(const BinaryTree& tree, std::span<const Triangle> triangles, std::span<const Id> ids, int threads)
+      : tree_(tree), triangles_(triangles), ids_(ids), threads_(threads) {}
+
+  RayTree run() {
+    RayTree out;
+    if (tree_.nodes.empty()) return out;
+    room_.resize(tree_.nodes.size());
+    out.lines = AlignedArray<Line>(measure(0, 0, out));
+    if (out.lines.size() >= (std::size_t{1} << 31))
+      throw InvalidInput("more triangles than references reach");
+    lines_ = out.lines.data();
+    in_arena([&] { write(0, 0); });
+    out.root = ref_to(0, is_leaf_node(0));
+    out.references = tree_.references.size();
+    out.sah_cost = area(0) > 0 ? out.sah_cost / double(area(0)) : 0;
+    return out;
+  }
+
+ private:
+  static constexpr std::size_t task_lines = 1 << 14;  // 1 MiB of tree: worth a task
+
+  /// Up to eight binary nodes that become the children of one wide node.
+  struct Children {
+    std::uint32_t node[width];
+    int count = 0;
+  };
+
+  template <class F>
+  void in_arena(F&& f) {
+    if (threads_ == 1) return f();
+    tbb::task_arena arena(allowed_threads(threads_));
+    arena.execute(f);
+  }
+  bool is_leaf_node(std::uint32_t i) const { return tree_.nodes[i].count > 0; }
+  float area(std::uint32_t i) const {
+    const auto e = tree_.nodes[i].box.extent();
+    return e[0] * e[1] + e[1] * e[2] + e[2] * e[0];
+  }
+
+  Children children_of(std::uint32_t root) const {
+    Children c;
+    float areas[width];
+    const auto put = [&](int at, std::uint32_t i) { c.node[at] = i, areas[at] = area(i); };
+    put(0, tree_.nodes[root].first), put(1, tree_.nodes[root].first + 1);
+    for (c.count = 2; c.count < width; ++c.count) {
+      int open = -1;
+      for (int i = 0; i < c.count; ++i)
+        if (!is_leaf_node(c.node[i]) && (open < 0 || areas[i] > areas[open])) open = i;
+      if (open < 0) break;
+      const std::uint32_t first = tree_.nodes[c.node[open]].first;
+      put(open, first), put(c.count, first + 1);
+    }
+    // The smallest first: rays that ask for any hit take the last.
+    for (int i = 1; i < c.count; ++i)
+      for (int j = i; j > 0 && areas[j - 1] > areas[j]; --j)
+        std::swap(areas[j - 1], areas[j]), std::swap(c.node[j - 1], c.node[j]);
+    return c;
+  }
+
+  std::size_t measure(std::uint32_t root, std::size_t level, RayTree& out) {
+    std::size_t room = leaf_lines;
+    const std::uint32_t triangles = tree_.nodes[root].count;
+    out.depth = std::max(out.depth, level);
+    if (is_leaf_node(root)) {
+      if (triangles > width)
+        throw InvalidInput("a leaf of " + std::to_string(triangles) + " triangles; at most " +
+                           std::to_string(width) + " fit");
+      ++out.leaves;
+      out.largest_leaf = std::max<std::size_t>(out.largest_leaf, triangles);
+      out.sah_cost += double(area(root)) * triangles;
+    } else {
+      const Children c = children_of(root);
+      ++out.nodes;
+      out.sah_cost += double(area(root));
+      room = node_lines;
+      for (int i = 0; i < c.count; ++i) room += measure(c.node[i], level + 1, out);
+    }
+    return room_[root] = static_cast<std::uint32_t>(room), room;
+  }
+
+  /// Leaves of a node first, then the subtrees below.
+  void write(std::uint32_t root, std::size_t at) {
+    if (is_leaf_node(root)) return write_leaf(root, at);
+    const Children c = children_of(root);
+    RayNode& node = *reinterpret_cast<RayNode*>(lines_ + at);
+    std::size_t next = at + node_lines, place[width];
+    for (int i = 0; i < c.count; ++i) prefetch(tree_.nodes[c.node[i]]);
+    for (const bool leaves : {true, false})
+      for (int i = 0; i < c.count; ++i)
+        if (is_leaf_node(c.node[i]) == leaves) place[i] = next, next += room_[c.node[i]];
+    for (int i = 0; i < width; ++i) {
+      const bool present = i < c.count;
+      const geometry::Box<float, 3> box = present ? tree_.nodes[c.node[i]].box : geometry::Box<float, 3>{};
+      for (int k = 0; k < 3; ++k) node.plane[k][0][i] = box.low[k], node.plane[k][1][i] = box.high[k];
+      node.child[i] = present ? ref_to(place[i], is_leaf_node(c.node[i])) : no_ref;
+      node.spare[i] = 0;
+    }
+    const auto below = [&](int i) { write(c.node[i], place[i]); };
+    if (threads_ > 1 && room_[root] >= task_lines) {
+#ifdef __SANITIZE_THREAD__
+      for (int i = 0; i < c.count; ++i) below(i);
+#else
+      tbb::parallel_for(0, c.count, below);
+#endif
+    } else {
+      for (int i = 0; i < c.count; ++i) below(i);
+    }
+  }
+
+  /// The triangles of a leaf lie anywhere.
+  void prefetch(const BinaryNode& node) const {
+    for (std::uint32_t j = 0; j < node.count; ++j) {
+      const auto* p = reinterpret_cast<const char*>(&triangles_[tree_.references[node.first + j]]);
+      __builtin_prefetch(p), __builtin_prefetch(p + sizeof(Triangle) - 1);
+    }
+  }
+
+  void write_leaf(std::uint32_t i, std::size_t at) {
+    const BinaryNode& from = tree_.nodes[i];
+    RayLeaf& leaf = *reinterpret_cast<RayLeaf*>(lines_ + at);
+    std::uint32_t sorted[width];
+    for (std::uint32_t j = 0; j < from.count; ++j) {
+      const std::uint32_t reference = tree_.references[from.first + j];
+      std::uint32_t k = j;
+      for (; k > 0 && sorted[k - 1] > reference; --k) sorted[k] = sorted[k - 1];
+      sorted[k] = reference;
+    }
+    for (std::uint32_t j = 0; j < width; ++j) {
+      // The last one again where there are no more: it can only be found twice, which changes nothing.
+      const std::uint32_t t = sorted[std::min(j, from.count - 1)];
+      const Triangle& triangle = triangles_[t];
+      for (int k = 0; k < 3; ++k)
+        leaf.corner[0][k][j] = triangle.a[k], leaf.corner[1][k][j] = triangle.b[k],
+        leaf.corner[2][k][j] = triangle.c[k];
+      leaf.id[j] = ids_.empty() ? t : ids_[t];
+    }
+  }
+
+  const BinaryTree& tree_;
+  std::span<const Triangle> triangles_;
+  std::span<const Id> ids_;
+  int threads_;
+  Line* lines_ = nullptr;
+  std::vector<std::uint32_t> room_;  // lines that the subtree below a binary node takes
+};
+
+}  // namespace treeline::accel::wide
