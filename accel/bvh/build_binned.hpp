@@ -247,14 +247,14 @@ class BinnedBuilder {
     parts[0].level = parts[1].level = range.level + 1;
     const auto levels_by_rank = static_cast<std::size_t>(std::bit_width(n - 1));
     if (range.level + levels_by_rank < binary_max_depth) {
-      const int count = static_cast<int>(std::min<std::size_t>(most_bins, 4 + n / 16));
+      const int count = static_cast<int>(std::min<std::size_t>(most_bins, 12 + n / 16));
       const Binning binning(range.bounds, count);
       Bins bins(count);
       fill(range, binning, bins);
       const Split best = cheapest(bins, n, binning);
       const float area = half_area(range.bounds.box);
       if (n <= largest_leaf &&
-          !(best.cost + static_cast<float>(options_.node_cost) * area < blocks(n) * area))
+          !(best.cost + simd::opaque(static_cast<float>(options_.node_cost) * area) < blocks(n) * area))
         return false;
       if (best.axis >= 0) return partition(range, binning, bins, best, parts), true;
     }
@@ -296,7 +296,7 @@ class BinnedBuilder {
     for (int i = 1; i <= last; ++i)
       for (int k = 0; k < 3; ++k) {
         // An empty side costs infinity times zero, which is not less than anything.
-        const float cost = half_area(sum[k]) * blocks(count[k]) + right_cost[i][k];
+        const float cost = simd::opaque(half_area(sum[k]) * blocks(count[k])) + right_cost[i][k];
         if (cost < best[k].cost) best[k] = {cost, k, i};
         sum[k] = min(bins.at(i, k), sum[k]), count[k] += bins.count[i][k];
       }

@@ -47,16 +47,15 @@ class TriangleInput {
   std::span<const Id> ids() const { return ids_; }
   std::size_t dropped() const { return dropped_; }
 
-  /// How the user's space became the tree's.
+  /// How the user's space became the tree's: scaled, then moved.
   struct Place {
-    Point centre{};
+    alignas(16) Point centre{};  // in the user's space
+    float unused = 0;
+    alignas(16) Point scaled_centre{};
+    float unused_too = 0;
     TriangleScale<float> scale;
     Box bounds;  // in the tree's space
 
-    /// In the tree's space; its t is the given ray's times 2^shift.
-    Ray ray(const Ray& given, int& shift) const {
-      return scale.scaled({given.origin - centre, given.direction, given.t_min, given.t_max}, shift);
-    }
     Point to_user(const Point& p) const { return scale.unscaled(p) + centre; }
   };
   const Place& place() const { return place_; }
@@ -144,6 +143,7 @@ class TriangleInput {
     const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
     std::nth_element(sample.begin(), middle, sample.end());
     place_.scale = TriangleScale<float>(*middle, most);
+    place_.scaled_centre = place_.scale.scaled(centre);
     if (centre == Point{} && !place_.scale.scales()) return;
     const auto moved = [&](const Point& p) { return place_.scale.scaled(p - centre); };
     by_chunk((size_ + chunk - 1) / chunk, threads, [&](std::size_t c) {

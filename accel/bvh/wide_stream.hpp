@@ -14,22 +14,17 @@ namespace treeline::accel::wide {
 
 inline constexpr int in_flight = 12;
 
-inline void prefetch_step(const Line* lines, Ref ref) {
-  const char* p = reinterpret_cast<const char*>(lines) + std::size_t{ref & ~1u} * (line / 2);
-  for (std::size_t i = 0; i < node_lines; ++i) __builtin_prefetch(p + i * line);
-  if (is_leaf(ref)) __builtin_prefetch(p + node_lines * line);
-}
-
 /// A ray on its way to the nearest hit.
 template <class Test>
 class ClosestFlight {
  public:
-  template <class Ray, class Box>
-  void start(const Ray& ray, const Box& bounds, Ref root, std::size_t number) {
-    new (&box_ray_) BoxRay(ray, bounds);
-    new (&test) Test(ray);
+  template <class Ray, class Point, class Box>
+  void start(const Ray& ray, const Point& centre, const Box& bounds, Ref root) {
+    new (&box_ray_) BoxRay(ray, centre, bounds);
+    new (&test) Test(ray, centre, bounds);
     best = {ray.t_max};
-    limit_ = key_of(ray.t_max), height_ = 0, ref_ = root, index = number;
+    limit_ = key_of(ray.t_max), ref_ = root;
+    stack_.clear(root);
   }
   /// False when it has arrived.
   [[gnu::always_inline]] bool step(const Line* lines) {
@@ -37,22 +32,19 @@ class ClosestFlight {
       const RayNode& node = node_at(lines, ref_);
       const BoxHits hits = meet(node, box_ray_, best.t);
       if (hits.bits != 0) {
-        const simd::Keys8 keys(hits.enter, hits.bits);
-        ref_ = node.child[keys.nearest() & 7u];
-        prefetch_step(lines, ref_);
-        keys.write_sorted(node.child, stack_.key + height_, stack_.ref + height_);
-        height_ += std::popcount(hits.bits) - 1;
+        ref_ = descend<false>(node, hits, stack_);
+        prefetch(lines, ref_);
         return true;
       }
-    } else if (test.template operator()<false>(leaf_at(lines, ref_), best)) {
+    } else if (try_leaf<false>(leaf_at(lines, ref_), test, best)) {
       limit_ = key_of(best.t);
     }
     do {
-      if (height_ == 0) return false;
-      --height_;
-    } while (stack_.key[height_] > limit_);
-    ref_ = stack_.ref[height_];
-    prefetch_step(lines, ref_);
+      if (stack_.empty()) return false;
+      --stack_.height;
+    } while (stack_.key[stack_.height] > limit_);
+    ref_ = stack_.ref[stack_.height];
+    prefetch(lines, ref_);
     return true;
   }
 
@@ -60,7 +52,8 @@ class ClosestFlight {
     Test test;
   };
   NearestHit best;
-  std::size_t index;
+  std::size_t index;  // for the caller to use, as is shift
+  int shift;
 
   ClosestFlight() {}
 
@@ -69,7 +62,6 @@ class ClosestFlight {
     BoxRay box_ray_;
   };
   std::uint32_t limit_;
-  int height_;
   Ref ref_;
   RayStack stack_;
 };
@@ -78,30 +70,36 @@ class ClosestFlight {
 template <class Test>
 class AnyFlight {
  public:
-  template <class Ray, class Box>
-  void start(const Ray& ray, const Box& bounds, Ref root, std::size_t number) {
-    new (&box_ray_) BoxRay(ray, bounds);
-    new (&test_) Test(ray);
+  template <class Ray, class Point, class Box>
+  void start(const Ray& ray, const Point& centre, const Box& bounds, Ref root) {
+    new (&box_ray_) BoxRay(ray, centre, bounds);
+    new (&test_) Test(ray, centre, bounds);
     best_ = {ray.t_max};
-    hit = false, height_ = 0, ref_ = root, index = number;
+    hit = false, height_ = 0, ref_ = root;
   }
   [[gnu::always_inline]] bool step(const Line* lines) {
     if (!is_leaf(ref_)) {
       const RayNode& node = node_at(lines, ref_);
       const std::uint32_t bits = meet(node, box_ray_, best_.t).bits;
-      height_ += simd::store_set8(bits, node.child, stack_ + height_);
-    } else if (test_.template operator()<true>(leaf_at(lines, ref_), best_)) {
+      if (bits != 0) {
+        ref_ = node.child[std::bit_width(bits) - 1];
+        prefetch(lines, ref_);
+        height_ += simd::store_set8(bits, node.child, stack_ + height_) - 1;
+        return true;
+      }
+    } else if (try_leaf<true>(leaf_at(lines, ref_), test_, best_)) {
       hit = true;
       return false;
     }
     if (height_ == 0) return false;
     ref_ = stack_[--height_];
-    prefetch_step(lines, ref_);
+    prefetch(lines, ref_);
     return true;
   }
 
   bool hit;
-  std::size_t index;
+  std::size_t index;  // for the caller to use, as is shift
+  int shift;
 
   AnyFlight() {}
 

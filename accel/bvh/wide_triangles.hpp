@@ -12,6 +12,7 @@
 #include "accel/bvh/build_binned.hpp"
 #include "accel/bvh/triangle_input.hpp"
 #include "accel/bvh/wide_collapse.hpp"
+#include "accel/bvh/wide_exact.hpp"
 #include "accel/bvh/wide_stream.hpp"
 #include "accel/ray_checks.hpp"
 #include "accel/slice.hpp"
@@ -42,6 +43,10 @@ struct LeafTestOf<geometry::Watertight> {
 template <>
 struct LeafTestOf<geometry::MollerTrumbore> {
   using Type = WoopTest<false>;
+};
+template <>
+struct LeafTestOf<geometry::Exact> {
+  using Type = ExactTest;
 };
 }  // namespace wide
 
@@ -107,6 +112,25 @@ class Bvh<Triangles<float, Policy>, Wide> {
     });
   }
 
+  /// Every hit in [t_min, t_max], nearest first, ties by lower id.
+  void all_hits(const Ray& given, std::vector<Hit<float>>& hits) const {
+    check_ray(given);
+    hits.clear();
+    if (tree_.root == wide::no_ref) return;
+    placed(given, [&](const Ray& ray, const Point& centre, int shift) {
+      const Test test(ray, centre, place_.bounds);
+      wide::all(tree_.lines.data(), tree_.root, wide::BoxRay(ray, centre, place_.bounds), test, ray.t_max,
+                [&](const wide::RayLeaf& leaf, std::uint32_t lane, float t) {
+                  hits.push_back(answer(given, shift, test, {t, leaf.id[lane], &leaf, lane}));
+                });
+    });
+    std::sort(hits.begin(), hits.end(), [](const Hit<float>& a, const Hit<float>& b) {
+      return a.t < b.t || (a.t == b.t && a.primitive < b.primitive);
+    });
+    // Spatial splits keep a triangle in several leaves.
+    hits.erase(std::unique(hits.begin(), hits.end()), hits.end());
+  }
+
   /// Number of triangles kept.
   std::size_t size() const { return stats_.primitives; }
   std::size_t bytes() const { return stats_.bytes; }
@@ -132,16 +156,26 @@ class Bvh<Triangles<float, Policy>, Wide> {
   }
   void count(const TriangleInput& input);
 
+  /// Calls f(ray, centre, shift): the ray moved by -centre is in the tree's space, its t the given ray's
+  /// times 2^shift. As a rule that is the ray as it stands.
+  template <class F>
+  auto placed(const Ray& given, F&& f) const {
+    if (!place_.scale.scales() && TriangleScale<float>::is_comfortable(given))
+      return f(given, place_.centre, 0);
+    int shift;
+    const Ray ray = place_.scale.scaled(given, shift);
+    return f(ray, place_.scaled_centre, shift);
+  }
   template <class W>
   Hit<float> closest(const Ray& given, W& work) const {
     if (tree_.root == wide::no_ref) return {};
-    int shift;
-    const Ray ray = place_.ray(given, shift);
-    const wide::BoxRay box_ray(ray, place_.bounds);
-    const Test test(ray);
-    wide::NearestHit best{ray.t_max};
-    wide::closest(tree_.lines.data(), tree_.root, box_ray, test, best, work);
-    return answer(given, shift, test, best);
+    return placed(given, [&](const Ray& ray, const Point& centre, int shift) {
+      const wide::BoxRay box_ray(ray, centre, place_.bounds);
+      const Test test(ray, centre, place_.bounds);
+      wide::NearestHit best{ray.t_max};
+      wide::closest(tree_.lines.data(), tree_.root, box_ray, test, best, work);
+      return answer(given, shift, test, best);
+    });
   }
   static Hit<float> answer(const Ray& given, int shift, const Test& test, const wide::NearestHit& best) {
     Hit<float> hit;
@@ -154,10 +188,10 @@ class Bvh<Triangles<float, Policy>, Wide> {
   template <class W>
   bool any(const Ray& given, W& work) const {
     if (tree_.root == wide::no_ref) return false;
-    int shift;
-    const Ray ray = place_.ray(given, shift);
-    return wide::any(tree_.lines.data(), tree_.root, wide::BoxRay(ray, place_.bounds), Test(ray), ray.t_max,
-                     work);
+    return placed(given, [&](const Ray& ray, const Point& centre, int) {
+      return wide::any(tree_.lines.data(), tree_.root, wide::BoxRay(ray, centre, place_.bounds),
+                       Test(ray, centre, place_.bounds), ray.t_max, work);
+    });
   }
 
   static constexpr std::size_t cached_bytes = std::size_t{4} << 20;
@@ -167,27 +201,24 @@ class Bvh<Triangles<float, Policy>, Wide> {
   }
   void fly_closest(std::span<const Ray> rays, std::span<Hit<float>> hits, std::size_t begin,
                    std::size_t end) const {
-    int shift;
     wide::fly<wide::ClosestFlight<Test>>(
-        tree_.lines.data(), begin, end,
-        [&](auto& flight, std::size_t i) {
-          flight.start(place_.ray(rays[i], shift), place_.bounds, tree_.root, i);
-        },
+        tree_.lines.data(), begin, end, [&](auto& flight, std::size_t i) { start(flight, rays[i], i); },
         [&](const auto& flight) {
-          const Ray& given = rays[flight.index];
-          (void)place_.ray(given, shift);
-          hits[flight.index] = answer(given, shift, flight.test, flight.best);
+          hits[flight.index] = answer(rays[flight.index], flight.shift, flight.test, flight.best);
         });
   }
   void fly_any(std::span<const Ray> rays, std::span<std::uint8_t> answers, std::size_t begin,
                std::size_t end) const {
-    int shift;
     wide::fly<wide::AnyFlight<Test>>(
-        tree_.lines.data(), begin, end,
-        [&](auto& flight, std::size_t i) {
-          flight.start(place_.ray(rays[i], shift), place_.bounds, tree_.root, i);
-        },
+        tree_.lines.data(), begin, end, [&](auto& flight, std::size_t i) { start(flight, rays[i], i); },
         [&](const auto& flight) { answers[flight.index] = flight.hit ? 1 : 0; });
+  }
+  template <class Flight>
+  void start(Flight& flight, const Ray& given, std::size_t i) const {
+    placed(given, [&](const Ray& ray, const Point& centre, int shift) {
+      flight.start(ray, centre, place_.bounds, tree_.root);
+      flight.index = i, flight.shift = shift;
+    });
   }
 
   TriangleInput::Place place_;

@@ -34,6 +34,12 @@ struct Floats4 {
 /// b where either is NaN.
 inline Floats4 min(Floats4 a, Floats4 b) { return {_mm_min_ps(a.r, b.r)}; }
 inline Floats4 max(Floats4 a, Floats4 b) { return {_mm_max_ps(a.r, b.r)}; }
+inline Floats4 operator/(Floats4 a, Floats4 b) { return {_mm_div_ps(a.r, b.r)}; }
+inline Floats4 absolute(Floats4 a) { return {_mm_and_ps(a.r, _mm_castsi128_ps(_mm_set1_epi32(0x7fffffff)))}; }
+/// One bit a lane: whether its sign is negative.
+inline std::uint32_t sign_bits(Floats4 a) { return static_cast<std::uint32_t>(_mm_movemask_ps(a.r)); }
+/// a where m is negative, else b.
+inline Floats4 where_negative(Floats4 m, Floats4 a, Floats4 b) { return {_mm_blendv_ps(b.r, a.r, m.r)}; }
 #else
 struct Floats4 {
   FloatReg r;
@@ -52,6 +58,14 @@ struct Floats4 {
 };
 inline Floats4 min(Floats4 a, Floats4 b) { return {min(a.r, b.r)}; }
 inline Floats4 max(Floats4 a, Floats4 b) { return {max(a.r, b.r)}; }
+inline Floats4 operator/(Floats4 a, Floats4 b) { return {a.r / b.r}; }
+inline Floats4 absolute(Floats4 a) {
+  return {reinterpret_cast<FloatReg>(as_ints(a.r) & broadcast(std::int32_t{0x7fffffff}))};
+}
+inline std::uint32_t sign_bits(Floats4 a) { return bits_set(as_ints(a.r) >> 31); }
+inline Floats4 where_negative(Floats4 m, Floats4 a, Floats4 b) {
+  return {as_ints(m.r) < broadcast(std::int32_t{0}) ? a.r : b.r};
+}
 #endif
 
 }  // namespace treeline::accel::simd

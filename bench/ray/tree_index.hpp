@@ -9,6 +9,19 @@
 
 namespace treeline::bench::ray {
 
+/// Nodes and primitives touched per ray.
+template <accel::RayIndex Tree>
+std::pair<double, double> work_of(const Tree& tree, std::span<const geometry::Rayf> rays, bool any) {
+  accel::Work work;
+  for (const auto& ray : rays)
+    if (any)
+      tree.any_hit(ray, work);
+    else
+      tree.closest_hit(ray, work);
+  const double n = static_cast<double>(std::max<std::size_t>(rays.size(), 1));
+  return std::pair(static_cast<double>(work.nodes) / n, static_cast<double>(work.primitives) / n);
+}
+
 template <accel::RayIndex Tree>
 class TreeIndex final : public Index {
  public:
@@ -26,14 +39,7 @@ class TreeIndex final : public Index {
   }
   std::optional<std::pair<double, double>> work(std::span<const geometry::Rayf> rays,
                                                 bool any) const override {
-    accel::Work work;
-    for (const auto& ray : rays)
-      if (any)
-        tree_.any_hit(ray, work);
-      else
-        tree_.closest_hit(ray, work);
-    const double n = static_cast<double>(std::max<std::size_t>(rays.size(), 1));
-    return std::pair(static_cast<double>(work.nodes) / n, static_cast<double>(work.primitives) / n);
+    return work_of(tree_, rays, any);
   }
   std::vector<accel::Work> work_of_each(std::span<const geometry::Rayf> rays) const override {
     std::vector<accel::Work> work(rays.size());

@@ -12,6 +12,7 @@ namespace {
 
 using Fast = Bvh<Triangles<float, MollerTrumbore>, accel::Wide>;
 using Closed = Bvh<Triangles<float, Watertight>, accel::Wide>;
+using Exactly = Bvh<Triangles<float, geometry::Exact>, accel::Wide>;
 using V = Vec<float, 3>;
 using R = Ray<float>;
 
@@ -60,7 +61,7 @@ Meeting meeting(const R& ray, const Triangle<float>& triangle) {
 
 template <class Tree>
 class WideRays : public testing::Test {};
-using WideTrees = testing::Types<Fast, Closed>;
+using WideTrees = testing::Types<Fast, Closed, Exactly>;
 TYPED_TEST_SUITE(WideRays, WideTrees);
 
 template <class Tree>
@@ -118,6 +119,33 @@ void expect_true_hits(const std::vector<Triangle<float>>& triangles, const std::
 TYPED_TEST(WideRays, EqualAnIndependentComputation) {
   expect_true_hits<TypeParam>(soup<float>(500, 0.3f, 41), random_rays(500, 42));
   expect_true_hits<TypeParam>(soup<float>(3000, 0.05f, 43), random_rays(200, 44));
+}
+
+TYPED_TEST(WideRays, AllHitsAreThoseOfEachTriangleAlone) {
+  const auto triangles = soup<float>(400, 0.8f, 45);
+  const TypeParam tree(triangles);
+  std::vector<TypeParam> alone;
+  for (const auto& t : triangles) alone.emplace_back(std::vector<Triangle<float>>{t});
+  std::size_t most = 0;
+  for (const R& ray : random_rays(100, 46)) {
+    std::vector<Hit<float>> expected, found;
+    for (std::size_t k = 0; k < alone.size(); ++k)
+      if (const auto hit = alone[k].closest_hit(ray)) {
+        expected.push_back(hit);
+        expected.back().primitive = static_cast<Id>(k);
+      }
+    std::sort(expected.begin(), expected.end(),
+              [](auto& a, auto& b) { return a.t < b.t || (a.t == b.t && a.primitive < b.primitive); });
+    tree.all_hits(ray, found);
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      // Alone, a triangle may lie in a space moved elsewhere: rounding differs.
+      ASSERT_NEAR(found[i].t, expected[i].t, 1e-4f);
+    }
+    if (!found.empty()) ASSERT_TRUE(found[0] == tree.closest_hit(ray));
+    most = std::max(most, found.size());
+  }
+  EXPECT_GT(most, 10u);
 }
 
 TYPED_TEST(WideRays, ExtremeScalesChangeNothingButT) {
@@ -224,7 +252,12 @@ TYPED_TEST(WideRays, RefusesByIndexOrDrops) {
   EXPECT_EQ(none.size(), 0u);
 }
 
-TEST(WideClosedRays, NoneEscapesAClosedSphereAtVerticesAndEdges) {
+template <class Tree>
+class WideClosedRays : public testing::Test {};
+using ClosedTrees = testing::Types<Closed, Exactly>;
+TYPED_TEST_SUITE(WideClosedRays, ClosedTrees);
+
+TYPED_TEST(WideClosedRays, NoneEscapesAClosedSphereAtVerticesAndEdges) {
   struct Place {
     V centre;
     float radius;
@@ -232,7 +265,7 @@ TEST(WideClosedRays, NoneEscapesAClosedSphereAtVerticesAndEdges) {
   for (const Place& place : {Place{{}, 1}, Place{{1e3f, 2e3f, -5e2f}, 1}, Place{{1e5f, -1e5f, 3e4f}, 1},
                              Place{{}, 1e-3f}, Place{{-1e5f, 0, 0}, 1e-2f}}) {
     const Mesh<float> mesh = sphere<float>(5, place.centre, place.radius);
-    const Closed tree(mesh);
+    const TypeParam tree(mesh);
     Pcg32 random(51);
     std::vector<R> rays;
     for (int i = 0; i < 50000; ++i) {
@@ -252,7 +285,7 @@ TEST(WideClosedRays, NoneEscapesAClosedSphereAtVerticesAndEdges) {
   }
 }
 
-TEST(WideClosedRays, RaysInFacePlanesMeetEveryClosedBoxTheyTouch) {
+TYPED_TEST(WideClosedRays, RaysInFacePlanesMeetEveryClosedBoxTheyTouch) {
   Mesh<float> mesh;
   std::vector<Box<float, 3>> boxes;
   for (int x = 0; x < 4; ++x)
@@ -262,7 +295,7 @@ TEST(WideClosedRays, RaysInFacePlanesMeetEveryClosedBoxTheyTouch) {
         boxes.push_back({{float(x), float(y), float(z)}, {float(x + 1), float(y + 1), top}});
         add_box<float>(mesh, boxes.back());
       }
-  const Closed tree(mesh);
+  const TypeParam tree(mesh);
   for (int axis = 0; axis < 3; ++axis)
     for (int i = -1; i <= 9; ++i)
       for (int j = -1; j <= 9; ++j)
@@ -287,6 +320,61 @@ TEST(WideClosedRays, RaysInFacePlanesMeetEveryClosedBoxTheyTouch) {
             ASSERT_EQ(tree.any_hit(ray), touches) << axis << ' ' << i << ' ' << j << ' ' << zero;
             ASSERT_EQ(static_cast<bool>(tree.closest_hit(ray)), touches);
           }
+}
+
+/// Grazing needles and rays at corners, against integers: coordinates are small whole numbers over 2^k, so
+/// that all determinants fit.
+TEST(WideExactRays, DecideLikeWholeNumbers) {
+  Pcg32 random(101);
+  using Whole = Vec<long long, 3>;
+  const auto det = [](const Whole& a, const Whole& b, const Whole& c) {
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+           a[2] * (b[0] * c[1] - b[1] * c[0]);
+  };
+  const auto whole = [&](int half) {
+    const auto one = [&] {
+      return static_cast<long long>(random.below(static_cast<std::uint32_t>(2 * half + 1))) - half;
+    };
+    const long long x = one(), y = one();
+    return Whole{x, y, one()};
+  };
+  std::size_t hit_count = 0, border_count = 0, miss_count = 0;
+  for (int round = 0; round < 300; ++round) {
+    // A needle of hundreds of thousands in length and few across.
+    const Whole a = whole(100000), along = whole(100000), b = a + along, c = a + along / 3ll + whole(2);
+    const float unit = 0x1p-10f;
+    const auto point = [&](const Whole& p) { return V{float(p[0]), float(p[1]), float(p[2])} * unit; };
+    const Triangle<float> triangle{point(a), point(b), point(c)};
+    if (geometry::is_degenerate(triangle)) continue;
+    const Exactly tree(std::vector<Triangle<float>>{triangle});
+    for (int i = 0; i < 30; ++i) {
+      const Whole o = i % 3 == 0 ? a - along / 2ll + whole(2) : whole(200000);
+      const Whole target = i % 5 == 0   ? a
+                           : i % 5 == 1 ? (b + c) / 2ll
+                                        : a + along / 2ll + whole(i % 2 ? 2 : 40000);
+      const Whole d = target - o;
+      if (d == Whole{}) continue;
+      const Whole p[3] = {a - o, b - o, c - o};
+      const long long limit = 1 << 19;  // products of three stay below 2^63
+      bool fits = true;
+      for (int k = 0; k < 3; ++k) fits = fits && std::abs(d[k]) < limit && std::abs(p[0][k]) < limit;
+      if (!fits) continue;
+      const long long e[3] = {det(d, p[2], p[1]), det(d, p[0], p[2]), det(d, p[1], p[0])};
+      const bool negative = e[0] < 0 || e[1] < 0 || e[2]<0, positive = e[0]> 0 || e[1] > 0 || e[2] > 0;
+      const long double above = det(p[0], p[1], p[2]), below = (long double)(-(e[0] + e[1] + e[2]));
+      const bool expected = negative != positive && above / below >= 0;
+      const auto hit = tree.closest_hit({point(o), point(d)});
+      ASSERT_EQ(static_cast<bool>(hit), expected) << round << ' ' << i;
+      ASSERT_EQ(tree.any_hit({point(o), point(d)}), expected);
+      (expected ? hit_count : miss_count)++;
+      if (!expected) continue;
+      border_count += e[0] == 0 || e[1] == 0 || e[2] == 0;
+      ASSERT_EQ(hit.t, static_cast<float>(above / below)) << round << ' ' << i;
+    }
+  }
+  EXPECT_GT(hit_count, 500u);
+  EXPECT_GT(border_count, 100u);
+  EXPECT_GT(miss_count, 500u);
 }
 
 TEST(WideBuild, TreeDoesNotDependOnThreads) {
@@ -363,19 +451,41 @@ std::uint64_t digest_of(const Tree& tree, const std::vector<R>& rays) {
   return geometry::hash_u64(geometry::hash_u64(hash, work.nodes), work.primitives);
 }
 
+/// Multiples of 2^-12: input made without a rounding, which compilers could fuse away.
+float whole(Pcg32& random, int half) {
+  return static_cast<float>(static_cast<int>(random.below(static_cast<std::uint32_t>(2 * half))) - half) /
+         4096;
+}
+V whole_point(Pcg32& random, int half) {
+  const float x = whole(random, half), y = whole(random, half);
+  return {x, y, whole(random, half)};
+}
+
 template <class Tree>
 std::uint64_t digest() {
+  Pcg32 random(81);
   std::uint64_t hash = 0;
-  const auto add = [&](const auto& mesh, const std::vector<R>& rays) {
-    hash = geometry::hash_u64(hash, digest_of(Tree(mesh), rays));
-  };
-  add(soup<float>(3000, 0.1f, 81), random_rays(2000, 82));
-  add(soup<float>(3000, 1.5f, 83), random_rays(500, 84));
-  add(soup<float>(1000, 0.1f, 85, V{1e5f, -3e4f, 7e4f}), random_rays(1000, 86, V{1e5f, -3e4f, 7e4f}));
-  const auto ball = sphere<float>(4);
-  std::vector<R> rays;
-  for (const V& p : ball.vertices) rays.push_back({{0.1f, 0.2f, 0.05f}, p - V{0.1f, 0.2f, 0.05f}});
-  add(ball, rays);
+  for (const int size : {100, 1000, 6000})
+    for (const V centre : {V{}, V{100000, -30000, 70000}}) {
+      std::vector<Triangle<float>> triangles;
+      for (int i = 0; i < 2500; ++i) {
+        const V at = whole_point(random, 4096);
+        const auto corner = [&] { return (at + whole_point(random, size)) + centre; };
+        const V a = corner(), b = corner(), c = corner();
+        triangles.push_back({a, b, c});
+      }
+      std::vector<R> rays;
+      for (int i = 0; i < 1500; ++i) {
+        R ray{whole_point(random, 8192) + centre, whole_point(random, 4096)};
+        const Triangle<float>& t = triangles[random.below(2500)];
+        if (i % 3 == 0) ray.direction = (i % 2 ? t.a : (t.a + t.b) * 0.5f) - ray.origin;  // a corner, an edge
+        if (i % 4 == 1) ray.direction[i / 4 % 3] = i % 8 == 1 ? 0.0f : -0.0f;
+        if (i % 16 == 3) ray.direction[0] = std::numeric_limits<float>::denorm_min() * 3;
+        if (i % 5 == 0) ray.t_min = -0.5f, ray.t_max = 1.5f;
+        if (ray.direction != V{}) rays.push_back(ray);
+      }
+      hash = geometry::hash_u64(hash, digest_of(Tree(triangles, {.non_finite = NonFinite::drop}), rays));
+    }
   return hash;
 }
 
@@ -386,8 +496,9 @@ int main(int argc, char** argv) {
   using namespace treeline::accel::test;
   if (argc == 2 && std::string_view(argv[1]) == "--digest") {
     if (runs_here())
-      std::printf("%016llx\n", static_cast<unsigned long long>(
-                                   treeline::geometry::hash_u64(digest<Fast>(), digest<Closed>())));
+      std::printf("%016llx\n",
+                  static_cast<unsigned long long>(treeline::geometry::hash_u64(
+                      treeline::geometry::hash_u64(digest<Fast>(), digest<Closed>()), digest<Exactly>())));
     return 0;
   }
   testing::InitGoogleTest(&argc, argv);
