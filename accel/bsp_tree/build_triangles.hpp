@@ -30,8 +30,8 @@ struct BspTriangleOptions : BuildOptions {
   int oblique_planes = 8;     ///< planes through triangles tried per node
   int sample = 96;            ///< fragments by which candidates are compared
   double empty_bonus = 0.2;   ///< share of the cost taken off where one side is empty
-  double step_cost = 1.2;     ///< of a node with an axis plane, in triangle tests
-  double oblique_cost = 1.8;  ///< of a node with any other plane
+  double step_cost = 5;       ///< of a node with an axis plane, in triangle tests, eight at a time
+  double oblique_cost = 7.5;  ///< of a node with any other plane
 };
 
 /// Inner: what is on the negative side of the plane is in the next node, what is on the positive side in node
@@ -212,7 +212,9 @@ class BspTriangleBuilder {
       const Split split = best_axis_plane(box, axis, each);
       if (split.kind != Node::leaf_kind) offer(split);
     }
-    offer_triangle_planes(offer);
+    double reach = 0;
+    for (const Fragment& f : all.items) reach = std::max(reach, f.reach);
+    offer_triangle_planes(double(geometry::tolerance::oblique_slack<T>) * reach, offer);
     return best.kind != Node::leaf_kind ? best : last_resort;
   }
 
@@ -286,14 +288,16 @@ class BspTriangleBuilder {
     return best;
   }
 
+  /// A plane that rays see blurred by more than the size of its triangle (because a triangle far away is
+  /// among the fragments) would tell nothing apart.
   template <class Offer>
-  void offer_triangle_planes(Offer&& offer) {
+  void offer_triangle_planes(double blur, Offer&& offer) {
     const std::size_t count = std::min(sample_.size(), static_cast<std::size_t>(options_.oblique_planes));
     for (std::size_t i = 0; i < count; ++i) {
       const geometry::Triangle<T>& t = set_.items[sample_[i * sample_.size() / count].triangle].triangle;
       const Vec3d a = in_units(t.a), normal = cross(in_units(t.b) - a, in_units(t.c) - a);
       const double size = length(normal);
-      if (!(size > 0)) continue;
+      if (!(size > blur * blur)) continue;
       Split split;
       split.kind = Node::oblique;
       split.plane.normal = Vec3d(geometry::Vec<T, 3>(normal / size));

@@ -5,9 +5,11 @@
 // the point of the hit has the hit within its interval: none is lost by rounding, and the walk may stop as
 // soon as the nearest hit so far precedes the next cell's interval. A hit found early in a cell but lying
 // behind it is kept as a bound only. Sources: Fussell and Subramanian 1988; Wald and Havran 2006 (build, see
-// build_triangles.hpp). Cost: O(n log n) to build, O(log n) expected per query, n (40 + 16 references per
-// triangle) bytes for float, about. Known weakness: a triangle in many cells is tested in each of them; cells
-// bound closest points worse than boxes.
+// build_triangles.hpp). Cost: O(n log n) to build, O(log n) expected per query; bytes, for float: 40 a
+// reference and 16 a node, some 50 to 120 a triangle. Known weakness: a triangle in many cells is kept and
+// tested in each of them; cells bound closest points worse than boxes.
+// Measured on one core in one run over 1e5 triangles, rays per second over the binary hierarchy's with the
+// same leaf test: icosphere 1.0 to 1.2, forest 1.2 to 1.5, terrain 1.1 to 1.3, architecture 3.6 to 6.6.
 #pragma once
 
 #include "accel/kd_tree/build_triangles.hpp"
