@@ -251,7 +251,7 @@ class BinnedBuilder {
       const Binning binning(range.bounds, count);
       Bins bins(count);
       fill(range, binning, bins);
-      const Split best = cheapest(bins, n, binning);
+      const Split best = cheapest(bins, binning);
       const float area = half_area(range.bounds.box);
       if (n <= largest_leaf &&
           !(best.cost + simd::opaque(static_cast<float>(options_.node_cost) * area) < blocks(n) * area))
@@ -280,7 +280,7 @@ class BinnedBuilder {
     for (; i < range.end; ++i) Binning::of(prims_[i], low, scale, bin), bins.add(prims_[i], bin);
   }
 
-  Split cheapest(const Bins& bins, std::size_t n, const Binning& binning) const {
+  Split cheapest(const Bins& bins, const Binning& binning) const {
     const int last = binning.bins - 1;
     float right_cost[most_bins][3];
     F8 sum[3];

@@ -141,7 +141,9 @@ TYPED_TEST(WideRays, AllHitsAreThoseOfEachTriangleAlone) {
       // Alone, a triangle may lie in a space moved elsewhere: rounding differs.
       ASSERT_NEAR(found[i].t, expected[i].t, 1e-4f);
     }
-    if (!found.empty()) ASSERT_TRUE(found[0] == tree.closest_hit(ray));
+    if (!found.empty()) {
+      ASSERT_TRUE(found[0] == tree.closest_hit(ray));
+    }
     most = std::max(most, found.size());
   }
   EXPECT_GT(most, 10u);
