@@ -14,7 +14,7 @@
 #include "accel/batch.hpp"
 #include "accel/bvh/binary_tree.hpp"
 #include "accel/bvh/wide_triangle_layout.hpp"
-#include "accel/simd/registers.hpp"
+#include "accel/simd/lanes8.hpp"
 #include "geometry/triangle.hpp"
 
 namespace treeline::accel::wide {
@@ -52,6 +52,7 @@ class Collapse {
   }
 
  private:
+  static constexpr float most = 1e28f;
   static constexpr std::size_t task_lines = 1 << 14;  // 1 MiB of tree: worth a task
 
   /// Up to eight binary nodes that become the children of one wide node.
@@ -69,7 +70,6 @@ class Collapse {
   bool is_leaf_node(std::uint32_t i) const { return tree_.nodes[i].count > 0; }
   /// Half the area of a box, held where sums of it stay finite.
   float area(std::uint32_t i) const {
-    constexpr float most = 1e28f;
     const auto e = tree_.nodes[i].box.extent();
     const float a = simd::opaque(e[0] * e[1]) + simd::opaque(e[1] * e[2]) + simd::opaque(e[2] * e[0]);
     return a < most ? a : most;
@@ -121,12 +121,6 @@ class Collapse {
     const auto share = plans_[root].as_node;
     const std::uint32_t first = tree_.nodes[root].first;
     collect(first, share.left, c), collect(first + 1, share.right, c);
-    float areas[width];
-    for (int i = 0; i < c.count; ++i) areas[i] = area(c.node[i]);
-    // The smallest first: rays that ask for any hit take the last.
-    for (int i = 1; i < c.count; ++i)
-      for (int j = i; j > 0 && areas[j - 1] > areas[j]; --j)
-        std::swap(areas[j - 1], areas[j]), std::swap(c.node[j - 1], c.node[j]);
     return c;
   }
 
@@ -151,24 +145,17 @@ class Collapse {
     return room_[root] = static_cast<std::uint32_t>(room), room;
   }
 
-  /// Leaves of a node first, then the subtrees below.
-  void write(std::uint32_t root, std::size_t at) {
+  /// Leaves of a node first, then the subtrees below. Returns the triangles' areas, seen along the axes.
+  float write(std::uint32_t root, std::size_t at) {
     if (is_leaf_node(root)) return write_leaf(root, at);
     const Children c = children_of(root);
-    RayNode& node = *reinterpret_cast<RayNode*>(lines_ + at);
     std::size_t next = at + node_lines, place[width];
+    float covered[width];
     for (int i = 0; i < c.count; ++i) prefetch(tree_.nodes[c.node[i]]);
     for (const bool leaves : {true, false})
       for (int i = 0; i < c.count; ++i)
         if (is_leaf_node(c.node[i]) == leaves) place[i] = next, next += room_[c.node[i]];
-    for (int i = 0; i < width; ++i) {
-      const bool present = i < c.count;
-      const geometry::Box<float, 3> box = present ? tree_.nodes[c.node[i]].box : geometry::Box<float, 3>{};
-      for (int k = 0; k < 3; ++k) node.plane[k][0][i] = box.low[k], node.plane[k][1][i] = box.high[k];
-      node.child[i] = present ? ref_to(place[i], is_leaf_node(c.node[i])) : no_ref;
-      node.spare[i] = 0;
-    }
-    const auto below = [&](int i) { write(c.node[i], place[i]); };
+    const auto below = [&](int i) { covered[i] = write(c.node[i], place[i]); };
     if (threads_ > 1 && room_[root] >= task_lines) {
 #ifdef __SANITIZE_THREAD__
       for (int i = 0; i < c.count; ++i) below(i);
@@ -178,6 +165,27 @@ class Collapse {
     } else {
       for (int i = 0; i < c.count; ++i) below(i);
     }
+    // Rays that ask for any hit take the last child first: that with the best chance of a hit for its cost.
+    int order[width];
+    float worth[width], sum = 0;
+    for (int i = 0; i < c.count; ++i) {
+      const float box = std::max(area(c.node[i]), std::numeric_limits<float>::min());
+      worth[i] = std::min(1.0f, covered[i] / box) * box / plans_[c.node[i]].cost[0];
+      sum += covered[i];
+      int j = i;
+      for (; j > 0 && !(worth[order[j - 1]] <= worth[i]); --j) order[j] = order[j - 1];
+      order[j] = i;
+    }
+    RayNode& node = *reinterpret_cast<RayNode*>(lines_ + at);
+    for (int i = 0; i < width; ++i) {
+      const bool present = i < c.count;
+      const int from = present ? order[i] : 0;
+      const geometry::Box<float, 3> box = present ? tree_.nodes[c.node[from]].box : geometry::Box<float, 3>{};
+      for (int k = 0; k < 3; ++k) node.plane[k][0][i] = box.low[k], node.plane[k][1][i] = box.high[k];
+      node.child[i] = present ? ref_to(place[from], is_leaf_node(c.node[from])) : no_ref;
+      node.spare[i] = 0;
+    }
+    return sum;
   }
 
   /// The triangles of a leaf lie anywhere.
@@ -188,7 +196,7 @@ class Collapse {
     }
   }
 
-  void write_leaf(std::uint32_t i, std::size_t at) {
+  float write_leaf(std::uint32_t i, std::size_t at) {
     const BinaryNode& from = tree_.nodes[i];
     RayLeaf& leaf = *reinterpret_cast<RayLeaf*>(lines_ + at);
     std::uint32_t sorted[width];
@@ -207,6 +215,18 @@ class Collapse {
         leaf.corner[2][k][j] = triangle.c[k];
       leaf.id[j] = ids_.empty() ? t : ids_[t];
     }
+    const auto side = [&](int corner, int k) {
+      return simd::Floats8::load(leaf.corner[corner][k]) - simd::Floats8::load(leaf.corner[0][k]);
+    };
+    const auto normal = [&](int k) {
+      const int l = (k + 1) % 3, m = (k + 2) % 3;
+      return absolute(side(1, l) * side(2, m) - side(1, m) * side(2, l));
+    };
+    alignas(32) float twice[width];
+    (normal(0) + normal(1) + normal(2)).store(twice);
+    float sum = 0;
+    for (std::uint32_t j = 0; j < from.count; ++j) sum += twice[j];
+    return std::min(0.5f * sum, most);
   }
 
   const BinaryTree& tree_;

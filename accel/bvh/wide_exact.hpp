@@ -18,8 +18,9 @@ class ExactTest {
  public:
   using Box = geometry::Box<float, 3>;
 
-  ExactTest(const geometry::Ray<float>& ray, const geometry::Vec<float, 3>& centre, const Box& bounds)
-      : sheared_(ray, centre, bounds), exact_(ray, centre), t_max_(ray.t_max) {
+  ExactTest(const geometry::Ray<float>& ray, const geometry::Vec<float, 3>& centre, const Box& bounds,
+            float reach)
+      : sheared_(ray, centre, bounds, reach), exact_(ray, centre), t_max_(ray.t_max) {
     float q = 0;
     for (int k = 0; k < 3; ++k) {
       const float origin = std::abs(ray.origin[k] - centre[k]);
@@ -57,7 +58,7 @@ class ExactTest {
     return true;
   }
 
-  WoopTest<false> sheared_;
+  WoopTest sheared_;
   geometry::ExactRay exact_;
   float off_, t_max_;
 };

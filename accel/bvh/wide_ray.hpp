@@ -10,6 +10,7 @@
 #pragma once
 
 #include "accel/bvh/wide_triangle_layout.hpp"
+#include "accel/ray_query.hpp"
 #include "accel/simd/lanes8.hpp"
 #include "geometry/predicates.hpp"
 #include "geometry/ray.hpp"
@@ -22,12 +23,17 @@ using simd::Floats8;
 /// by 6 u of the reach along an axis, the crossing by 3 u, both with room to spare.
 inline constexpr float box_slack = 12 * geometry::tolerance::unit_roundoff<float>;
 
+/// How far the mean of a triangle's corners may be beside the ray before its weights count as cancelled,
+/// relative to the reach: an eighth of what the corners' own roundings may leave between a hit and its ray
+/// (hit_slack).
+inline constexpr float mean_slack = geometry::tolerance::hit_slack<float> / 8;
+
 /// What the box test needs of a ray. With slack as above and reach, the largest distance along an axis from
 /// the ray's origin to a side of all boxes.
 struct BoxRay {
   alignas(16) float enter_from[4], exit_from[4], inverse[4];
   std::uint32_t near_plane[3];  // bytes from the start of a node; the far one is at near ^ 32
-  float t_min;
+  float t_min, reach;
 
   /// For a ray that is moved by -centre.
   BoxRay(const geometry::Ray<float>& ray, const geometry::Vec<float, 3>& centre,
@@ -43,7 +49,7 @@ struct BoxRay {
     const F low = F::load(bounds.low.v), high = F::load(&bounds.low.v[2]).rotated();  // low[2] goes last
     alignas(16) float far[4];
     max(absolute(low - origin), absolute(high - origin)).store(far);
-    const float reach = std::max({far[0], far[1], far[2]});
+    reach = std::max({far[0], far[1], far[2]});
     const float slack = box_slack * reach + std::numeric_limits<float>::min();
     // 3 u |origin|: the sums below round by at most u |origin|.
     const F padding = absolute(origin) * F::broadcast(3 * u) + F::broadcast(slack);
@@ -105,18 +111,18 @@ struct NearestHit {
 };
 
 /// The triangle test, prepared for a ray.
-template <bool checks_zeros>
 class WoopTest {
  public:
   WoopTest(const geometry::Ray<float>& ray, const geometry::Vec<float, 3>& centre,
-           const geometry::Box<float, 3>& /*bounds*/) {
+           const geometry::Box<float, 3>& /*bounds*/, float reach)
+      : slack_(mean_slack * reach + std::numeric_limits<float>::min()) {
     const int z = largest_axis(ray.direction), axes[3] = {(z + 1) % 3, (z + 2) % 3, z};
     for (int k = 0; k < 3; ++k) {
       axis_[k] = static_cast<std::uint32_t>(axes[k]) * 32;
       origin_[k] = ray.origin[axes[k]] - centre[axes[k]];
     }
     speed_ = ray.direction[z];
-    shear_[0] = ray.direction[axes[0]] / speed_, shear_[1] = ray.direction[axes[1]] / speed_;
+    for (int k = 0; k < 2; ++k) direction_[k] = ray.direction[axes[k]], shear_[k] = direction_[k] / speed_;
     t_min_ = ray.t_min;
   }
 
@@ -136,11 +142,14 @@ class WoopTest {
       return bits_le(Floats8::broadcast(t_min_), x) & bits_le(x, Floats8::broadcast(limit));
     };
     std::uint32_t bits = inside & in_reach(time);
-    // A sum whose quotient could be inaccurate or, where that counts, an edge of zero.
-    const Floats8 size = absolute(sum);
-    std::uint32_t sure =
-        bits_lt(Floats8::broadcast(smallest_sum), size) & bits_lt(size, Floats8::broadcast(largest_sum));
-    if constexpr (checks_zeros) sure &= bits_lt(zero, min(min(absolute(u), absolute(v)), absolute(w)));
+    // In doubt: a sum whose quotient could be inaccurate; an edge of zero; weights that cancelled, which show
+    // in that the mean of the corners is not where the ray is.
+    const Floats8 size = absolute(sum), least = min(min(absolute(u), absolute(v)), absolute(w));
+    const auto beside = [&](Floats8 x, Floats8 y, Floats8 z) { return absolute(u * x + v * y + w * z); };
+    const Floats8 gap = max(beside(a.x, b.x, c.x), beside(a.y, b.y, c.y));
+    const std::uint32_t sure = bits_lt(Floats8::broadcast(smallest_sum), size) &
+                               bits_lt(size, Floats8::broadcast(largest_sum)) & bits_lt(zero, least) &
+                               bits_le(gap, size * Floats8::broadcast(slack_));
     for (std::uint32_t doubtful = inside & ~sure; doubtful != 0; doubtful &= doubtful - 1) {
       const int lane = std::countr_zero(doubtful);
       const bool hit = exactly(leaf, lane, t[lane]) && t_min_ <= t[lane] && t[lane] <= limit;
@@ -198,6 +207,18 @@ class WoopTest {
     e.sum = e.value[0] + e.value[1] + e.value[2];
     return e;
   }
+  /// Where the ray passes nearest to a triangle, from its corners as they are.
+  geometry::TriangleHit<float> nearest(const RayLeaf& leaf, int lane) const {
+    geometry::Ray<float> ray;
+    geometry::Triangle<float> triangle;
+    geometry::Vec<float, 3>* const corner[3] = {&triangle.a, &triangle.b, &triangle.c};
+    for (int k = 0; k < 3; ++k) {
+      const auto axis = static_cast<int>(axis_[k] / 32);
+      ray.origin[axis] = origin_[k], ray.direction[axis] = k < 2 ? direction_[k] : speed_;
+      for (int i = 0; i < 3; ++i) (*corner[i])[axis] = leaf.corner[i][axis][lane];
+    }
+    return detail::nearest_approach<double>(ray, triangle);
+  }
   float height(const RayLeaf& leaf, int lane, int corner) const {
     return leaf.corner[corner][axis_[2] / 32][lane] - origin_[2];
   }
@@ -212,14 +233,11 @@ class WoopTest {
     const auto [e, sum] = exact_edges(leaf, lane);
     if ((e[0] < 0 || e[1] < 0 || e[2] < 0) && (e[0] > 0 || e[1] > 0 || e[2] > 0)) return false;
     if (sum == 0) return false;  // the ray lies in the plane
-    double mean = 0;
-    for (int i = 0; i < 3; ++i)
-      mean += geometry::rounded(e[static_cast<std::size_t>(i)] / sum * double(height(leaf, lane, i)));
-    t = static_cast<float>(mean / double(speed_));
+    t = nearest(leaf, lane).t;
     return true;
   }
 
-  float origin_[3], shear_[2], speed_, t_min_;
+  float origin_[3], shear_[2], speed_, t_min_, slack_, direction_[2];
   std::uint32_t
       axis_[3];  // bytes from a corner's first coordinates to those along x, y, z of the sheared space
 };
@@ -338,7 +356,7 @@ bool any(const Line* lines, Ref root, const BoxRay& ray, const Test& test, float
       const RayNode& node = node_at(lines, ref);
       const std::uint32_t bits = meet(node, ray, t_max).bits;
       if (bits != 0) {
-        // The last is the largest.
+        // The last is most worth a visit.
         ref = node.child[std::bit_width(bits) - 1];
         height += simd::store_set8(bits, node.child, stack + height) - 1;
         prefetch(lines, stack[height - 1]);

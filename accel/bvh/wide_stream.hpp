@@ -21,7 +21,7 @@ class ClosestFlight {
   template <class Ray, class Point, class Box>
   void start(const Ray& ray, const Point& centre, const Box& bounds, Ref root) {
     new (&box_ray_) BoxRay(ray, centre, bounds);
-    new (&test) Test(ray, centre, bounds);
+    new (&test) Test(ray, centre, bounds, box_ray_.reach);
     best = {ray.t_max};
     limit_ = key_of(ray.t_max), ref_ = root;
     stack_.clear(root);
@@ -73,7 +73,7 @@ class AnyFlight {
   template <class Ray, class Point, class Box>
   void start(const Ray& ray, const Point& centre, const Box& bounds, Ref root) {
     new (&box_ray_) BoxRay(ray, centre, bounds);
-    new (&test_) Test(ray, centre, bounds);
+    new (&test_) Test(ray, centre, bounds, box_ray_.reach);
     best_ = {ray.t_max};
     hit = false, height_ = 0, ref_ = root;
   }

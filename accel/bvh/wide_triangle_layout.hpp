@@ -15,7 +15,7 @@ inline constexpr int width = 8;  // children of a node, triangles of a leaf
 
 struct alignas(64) RayNode {
   float plane[3][2][width];    // of each child: axis by axis, low and high
-  std::uint32_t child[width];  // small boxes first; boxes that are absent last
+  std::uint32_t child[width];  // those most worth a visit of any-hit rays last; then absent ones
   std::uint32_t spare[width];
 };
 

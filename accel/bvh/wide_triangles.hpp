@@ -5,7 +5,7 @@
 // branch on how many were met. Layout, box test, triangle test and traversal are described in
 // wide_triangle_layout.hpp and wide_ray.hpp, the way there in build_binned.hpp and wide_collapse.hpp; any
 // builder of binary trees can take the place of the default. Cost: O(n log n) to build, O(log n) expected per
-// ray, about 55 bytes a triangle, its corners included. Known weakness: float's, for triangles seen edge-on
+// ray, about 50 bytes a triangle, its corners included. Known weakness: float's, for triangles seen edge-on
 // (see wide_ray.hpp); one ray at a time waits for memory at every level where the tree outgrows the caches.
 #pragma once
 
@@ -38,11 +38,7 @@ template <class Policy>
 struct LeafTestOf;
 template <>
 struct LeafTestOf<geometry::Watertight> {
-  using Type = WoopTest<true>;
-};
-template <>
-struct LeafTestOf<geometry::MollerTrumbore> {
-  using Type = WoopTest<false>;
+  using Type = WoopTest;
 };
 template <>
 struct LeafTestOf<geometry::Exact> {
@@ -118,8 +114,9 @@ class Bvh<Triangles<float, Policy>, Wide> {
     hits.clear();
     if (tree_.root == wide::no_ref) return;
     placed(given, [&](const Ray& ray, const Point& centre, int shift) {
-      const Test test(ray, centre, place_.bounds);
-      wide::all(tree_.lines.data(), tree_.root, wide::BoxRay(ray, centre, place_.bounds), test, ray.t_max,
+      const wide::BoxRay box_ray(ray, centre, place_.bounds);
+      const Test test(ray, centre, place_.bounds, box_ray.reach);
+      wide::all(tree_.lines.data(), tree_.root, box_ray, test, ray.t_max,
                 [&](const wide::RayLeaf& leaf, std::uint32_t lane, float t) {
                   hits.push_back(answer(given, shift, test, {t, leaf.id[lane], &leaf, lane}));
                 });
@@ -171,7 +168,7 @@ class Bvh<Triangles<float, Policy>, Wide> {
     if (tree_.root == wide::no_ref) return {};
     return placed(given, [&](const Ray& ray, const Point& centre, int shift) {
       const wide::BoxRay box_ray(ray, centre, place_.bounds);
-      const Test test(ray, centre, place_.bounds);
+      const Test test(ray, centre, place_.bounds, box_ray.reach);
       wide::NearestHit best{ray.t_max};
       wide::closest(tree_.lines.data(), tree_.root, box_ray, test, best, work);
       return answer(given, shift, test, best);
@@ -189,8 +186,9 @@ class Bvh<Triangles<float, Policy>, Wide> {
   bool any(const Ray& given, W& work) const {
     if (tree_.root == wide::no_ref) return false;
     return placed(given, [&](const Ray& ray, const Point& centre, int) {
-      return wide::any(tree_.lines.data(), tree_.root, wide::BoxRay(ray, centre, place_.bounds),
-                       Test(ray, centre, place_.bounds), ray.t_max, work);
+      const wide::BoxRay box_ray(ray, centre, place_.bounds);
+      return wide::any(tree_.lines.data(), tree_.root, box_ray,
+                       Test(ray, centre, place_.bounds, box_ray.reach), ray.t_max, work);
     });
   }
 

@@ -1,4 +1,4 @@
-// Our wide bounding volume hierarchy, three ways: fast, watertight, and exact. The knob batch: streams,
+// Our wide bounding volume hierarchy, two ways: watertight and exact. The knob batch: streams,
 // several rays in flight, or singly, one after the other. The knob builder: what makes the binary tree that
 // is folded into wide nodes.
 #include "accel/bvh/build_ploc.hpp"
@@ -89,7 +89,6 @@ bool add(const char* name, Claim claim, int ladder, std::vector<Knobs> build_kno
 }
 
 [[maybe_unused]] const bool registered =
-    add<geometry::MollerTrumbore>("bvh_wide_fast", Claim::approximate, 10, builders({"binned", "spatial"})) &&
     add<geometry::Watertight>("bvh_wide", Claim::bounded, 11,
                               builders({"binned", "spatial", "sweep", "ploc", "reinsertion"})) &&
     add<geometry::Exact>("bvh_wide_exact", Claim::exact, 12, builders({"binned"}));
