@@ -61,9 +61,9 @@ inline constexpr T hit_slack = T(32) * unit_roundoff<T>;
 template <class T>
 inline constexpr T plane_slack = hit_slack<T> + T(8) * unit_roundoff<T>;
 
-/// How far an edge's computed crossing with a plane may be from the true one, along each axis, relative to the
-/// triangle's largest coordinate there: 4 roundings of the parameter and 2 of the product with an edge up to
-/// twice as long, 1 of the sum; 16 covers the 13.
+/// How far an edge's computed crossing with a plane may be from the true one, along each axis, relative to
+/// the triangle's largest coordinate there: 4 roundings of the parameter and 2 of the product with an edge up
+/// to twice as long, 1 of the sum; 16 covers the 13.
 template <class T>
 inline constexpr T crossing_slack = T(16) * unit_roundoff<T>;
 
