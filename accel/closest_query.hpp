@@ -1,12 +1,13 @@
 // One closest-point query on its way through a tree: the leaf test, and the nearest point so far.
 //
 // Cells may be skipped only if no triangle in them could win, rounding included. prunes() therefore compares
-// against a limit enlarged by the roundings of both distances; bounds from planes have slack() taken off, by
-// which a computed closest point may lie off its triangle. Ties in distance go to the lower id.
+// against a limit enlarged by the roundings of both distances; bounds from planes are taken from planes
+// stored widened (padded_ray.hpp) and have slack() taken off, by which together a computed closest point may
+// lie off its triangle. Ties in distance go to the lower id.
 #pragma once
 
 #include "accel/concepts.hpp"
-#include "accel/triangle_set.hpp"
+#include "accel/triangle_leaves.hpp"
 #include "geometry/distance.hpp"
 #include "geometry/tolerances.hpp"
 
@@ -17,11 +18,11 @@ class ClosestQuery {
  public:
   using Point = geometry::Vec<T, 3>;
 
-  ClosestQuery(const Point& point, T max_distance, const geometry::Box<T, 3>& bounds)
+  /// `centre` is the tree's.
+  ClosestQuery(const Point& point, T max_distance, const Point& centre)
       : point_(point), max_distance2_(max_distance * max_distance), limit_(enlarged(max_distance2_)) {
     T largest = 0;
-    for (int k = 0; k < 3; ++k)
-      largest = std::max({largest, std::abs(point[k]), std::abs(bounds.low[k]), std::abs(bounds.high[k])});
+    for (int k = 0; k < 3; ++k) largest = std::max({largest, std::abs(point[k]), std::abs(centre[k])});
     slack_ = geometry::tolerance::closest_slack<T> * largest;
   }
 
@@ -31,12 +32,11 @@ class ClosestQuery {
   /// Whether triangles at least this far (squared) are of no interest.
   bool prunes(T bound2) const { return bound2 > limit_; }
 
-  /// Tests count triangles of a leaf: triangles[0 …] or, if `references` is given, triangles[references[0
-  /// …]]. Never inlined, so that all trees compute the same bits.
-  [[gnu::noinline]] void test(const StoredTriangle<T>* triangles, const std::uint32_t* references,
-                              std::size_t count) {
+  /// Tests the leaf of count triangles that begins at reference `first`. Never inlined, so that all trees
+  /// compute the same bits.
+  [[gnu::noinline]] void test(const TriangleLeaves<T>& leaves, std::size_t first, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
-      const StoredTriangle<T>& candidate = triangles[references ? references[i] : i];
+      const StoredTriangle<T> candidate = leaves.get(first, count, i);
       const auto found = geometry::closest_point_on_triangle(point_, candidate.triangle);
       if (!(found.distance2 <= max_distance2_)) continue;
       if (found.distance2 > best_.distance2 ||

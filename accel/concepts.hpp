@@ -82,6 +82,7 @@ struct TreeStats {
   std::size_t dropped = 0;     ///< left out because not finite
   std::size_t references = 0;  ///< primitive references over all leaves (≥ primitives where trees duplicate)
   std::size_t inner_nodes = 0;
+  std::size_t oblique_nodes = 0;  ///< inner nodes whose plane is no axis plane (BSP)
   std::size_t leaves = 0;
   std::size_t depth = 0;  ///< edges from the root to the deepest leaf
   std::size_t largest_leaf = 0;

@@ -97,12 +97,14 @@ class TriangleQueries {
   Box bounds() const { return scale_.unscaled(bounds_); }
 
  protected:
-  explicit TriangleQueries(const TriangleSet<Scalar>& set) : bounds_(set.bounds), scale_(set.scale) {
+  explicit TriangleQueries(const TriangleSet<Scalar>& set)
+      : bounds_(set.bounds), centre_(set.centre), scale_(set.scale) {
     stats_.primitives = set.items.size();
     stats_.dropped = set.dropped;
   }
 
-  Box bounds_;  // like everything that a tree keeps: scaled
+  Box bounds_;    // like everything that a tree keeps: scaled
+  Point centre_;  // see padded_ray.hpp
   TriangleScale<Scalar> scale_;
   TreeStats stats_;
 
@@ -136,13 +138,13 @@ class TriangleQueries {
   // The same in the tree's units.
   template <bool any, class W>
   RayQuery<Primitives> cast(const Ray& ray, W& work) const {
-    RayQuery<Primitives> query(ray, bounds_);
+    RayQuery<Primitives> query(ray, centre_);
     if (size() > 0) tree().template trace<any>(query, work);
     return query;
   }
   template <class W>
   ClosestPoint<Scalar> nearest(const Point& point, Scalar max_distance, W& work) const {
-    ClosestQuery<Scalar> query(point, max_distance, bounds_);
+    ClosestQuery<Scalar> query(point, max_distance, centre_);
     if (size() > 0) tree().approach(query, work);
     return query.best();
   }

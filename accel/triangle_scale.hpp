@@ -55,12 +55,18 @@ class TriangleScale {
   /// Whether scaled_query() did not have to move it.
   bool is_near(const Point& p) const { return !scales() || scaled_query(p) == p * factor_; }
 
+  /// Whether products of the direction with a few lengths stay in range.
+  static bool is_comfortable(const Ray& ray) {
+    constexpr T slow = T(1) / T(std::uint64_t{1} << 31), fast = T(std::uint64_t{1} << 31);
+    const T speed =
+        std::max({std::abs(ray.direction[0]), std::abs(ray.direction[1]), std::abs(ray.direction[2])});
+    return slow <= speed && speed <= fast;
+  }
   /// The scaled ray; its t is the given ray's times 2^shift.
   Ray scaled(const Ray& ray, int& shift) const {
-    constexpr T slow = T(1) / T(std::uint64_t{1} << 31), fast = T(std::uint64_t{1} << 31);
     const T speed = std::abs(ray.direction[largest_axis(ray.direction)]);
     shift = 0;
-    if (!scales() && slow <= speed && speed <= fast) return ray;
+    if (!scales() && is_comfortable(ray)) return ray;
     const int exponent = std::ilogb(speed);
     Ray r{scaled(ray.origin), ray.direction, ray.t_min, ray.t_max};
     if (std::abs(exponent + exponent_) <= 31) {

@@ -1,5 +1,5 @@
 // What every tree over triangles is built from: the finite triangles of the input with their ids, scaled (see
-// triangle_scale.hpp) where their size asks for it.
+// triangle_scale.hpp) where their size asks for it, and the point from which tolerances are measured.
 #pragma once
 
 #include <span>
@@ -22,7 +22,8 @@ struct StoredTriangle {
 template <class T>
 struct TriangleSet {
   std::vector<StoredTriangle<T>> items;
-  geometry::Box<T, 3> bounds;  // of the scaled triangles
+  geometry::Box<T, 3> bounds;    // of the scaled triangles
+  geometry::Vec<T, 3> centre{};  // of most of the scaled triangles, wherever a few others may lie
   TriangleScale<T> scale;
   std::size_t dropped = 0;
 
@@ -61,6 +62,19 @@ struct TriangleSet {
       geometry::Triangle<T>& t = item.triangle;
       if (scale.scales()) t = {scale.scaled(t.a), scale.scaled(t.b), scale.scaled(t.c)};
       bounds.grow(t.box());
+    }
+    choose_centre();
+  }
+
+  /// The median over a sample, along each axis.
+  void choose_centre() {
+    const std::size_t step = items.size() / 1024 + 1;
+    for (int k = 0; k < 3 && !items.empty(); ++k) {
+      std::vector<T> sample;
+      for (std::size_t i = 0; i < items.size(); i += step) sample.push_back(items[i].triangle.a[k]);
+      const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
+      std::nth_element(sample.begin(), middle, sample.end());
+      centre[k] = *middle;
     }
   }
 

@@ -45,23 +45,40 @@ std::optional<TriangleHit<T>> confined(TriangleHit<T> hit, const Triangle<T>& tr
 /// differently, so rays aimed at edges and vertices can pass between them, and t cancels for triangles seen
 /// edge-on.
 struct MollerTrumbore {
+  template <class N>
+  struct Crossing {
+    N t, u, v;
+  };
+  /// Where a line crosses the plane of a triangle, over any number type.
+  template <class N>
+  static Crossing<N> crossing(const std::array<N, 3>& origin, const std::array<N, 3>& direction,
+                              const std::array<N, 3>& a, const std::array<N, 3>& b,
+                              const std::array<N, 3>& c) {
+    using V = std::array<N, 3>;
+    const auto minus = [](const V& p, const V& q) { return V{p[0] - q[0], p[1] - q[1], p[2] - q[2]}; };
+    const auto dot = [](const V& p, const V& q) { return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]; };
+    const auto cross = [](const V& p, const V& q) {
+      return V{p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
+    };
+    const V ab = minus(b, a), ac = minus(c, a), from_a = minus(origin, a);
+    const V p = cross(direction, ac), q = cross(from_a, ab);
+    const N determinant = dot(ab, p);
+    return {dot(ac, q) / determinant, dot(from_a, p) / determinant, dot(direction, q) / determinant};
+  }
+
   template <class T>
   class Prepared {
    public:
     explicit Prepared(const Ray<T>& ray) : origin_(ray.origin), direction_(ray.direction), box_test_(ray) {}
 
     std::optional<TriangleHit<T>> operator()(const Triangle<T>& triangle, T t_min, T t_max) const {
-      const Vec<T, 3> ab = triangle.b - triangle.a, ac = triangle.c - triangle.a;
-      const Vec<T, 3> p = cross(direction_, ac);
-      const T inverse = T(1) / dot(ab, p);
-      const Vec<T, 3> from_a = origin_ - triangle.a;
-      const T u = dot(from_a, p) * inverse;
-      if (!(u >= T(0) && u <= T(1))) return {};  // also when the determinant is zero: u is NaN or infinite
-      const Vec<T, 3> q = cross(from_a, ab);
-      const T v = dot(direction_, q) * inverse;
-      if (!(v >= T(0) && u + v <= T(1))) return {};
-      const T t = dot(ac, q) * inverse;
-      if (!(t == t)) return {};
+      using N = Rounded<T>;
+      const auto numbers = [](const Vec<T, 3>& p) { return std::array<N, 3>{{{p[0]}, {p[1]}, {p[2]}}}; };
+      const Crossing<N> at = crossing<N>(numbers(origin_), numbers(direction_), numbers(triangle.a),
+                                         numbers(triangle.b), numbers(triangle.c));
+      const T t = at.t.value, u = at.u.value, v = at.v.value;
+      // Also when the determinant is zero: u is NaN or infinite.
+      if (!(u >= T(0) && u <= T(1)) || !(v >= T(0) && u + v <= T(1)) || !(t == t)) return {};
       return detail::confined<T>({t, u, v}, triangle, box_test_, t_min, t_max);
     }
 
@@ -95,20 +112,45 @@ struct MollerTrumbore {
 /// mesh whose closedness rests on faces of exactly no area (a corner amidst another face's edge) may leak
 /// there, because such faces are never hit.
 struct Watertight {
+  /// What makes a direction the axis z.
+  template <class T>
+  struct Shear {
+    int x, y, z;  // axes
+    T speed;      // along z
+    T along_x, along_y;
+
+    explicit Shear(const Vec<T, 3>& direction) {
+      z = largest_axis(direction);
+      x = (z + 1) % 3, y = (x + 1) % 3;
+      speed = direction[z];
+      if (speed < T(0)) std::swap(x, y);  // keeps the winding
+      along_x = direction[x] / speed, along_y = direction[y] / speed;
+    }
+  };
+  template <class N>
+  struct Sheared {
+    N x, y, z;
+  };
+  /// A corner, given relative to the ray's origin and in the shear's axes, over any number type.
+  template <class N>
+  static Sheared<N> sheared(const N& x, const N& y, const N& z, const N& along_x, const N& along_y) {
+    return {x - along_x * z, y - along_y * z, z};
+  }
+  template <class N>
+  static std::array<N, 3> edges(const Sheared<N>& a, const Sheared<N>& b, const Sheared<N>& c) {
+    const auto edge = [](const Sheared<N>& p, const Sheared<N>& q) { return p.x * q.y - p.y * q.x; };
+    return {edge(c, b), edge(a, c), edge(b, a)};
+  }
+
   template <class T>
   class Prepared {
    public:
-    explicit Prepared(const Ray<T>& ray) : origin_(ray.origin), box_test_(ray) {
-      z_ = largest_axis(ray.direction);
-      x_ = (z_ + 1) % 3, y_ = (x_ + 1) % 3;
-      speed_ = ray.direction[z_];
-      if (speed_ < T(0)) std::swap(x_, y_);  // keeps the winding
-      shear_x_ = ray.direction[x_] / speed_, shear_y_ = ray.direction[y_] / speed_;
-    }
+    explicit Prepared(const Ray<T>& ray) : origin_(ray.origin), shear_(ray.direction), box_test_(ray) {}
 
     std::optional<TriangleHit<T>> operator()(const Triangle<T>& triangle, T t_min, T t_max) const {
-      const Sheared a = sheared(triangle.a), b = sheared(triangle.b), c = sheared(triangle.c);
-      const T u = edge(c, b), v = edge(a, c), w = edge(b, a);
+      const Corner a = sheared(triangle.a), b = sheared(triangle.b), c = sheared(triangle.c);
+      const auto edge = edges(a, b, c);
+      const T u = edge[0].value, v = edge[1].value, w = edge[2].value;
       if (outside(u, v, w)) return {};
       const T sum = u + v + w;
       if (u != T(0) && v != T(0) && w != T(0) && std::isfinite(sum))
@@ -121,15 +163,14 @@ struct Watertight {
     }
 
    private:
-    struct Sheared {
-      T x, y, z;
-    };
+    using Number = Rounded<T>;
+    using Corner = Sheared<Number>;
 
-    Sheared sheared(const Vec<T, 3>& corner) const {
+    Corner sheared(const Vec<T, 3>& corner) const {
       const Vec<T, 3> p = corner - origin_;
-      return {p[x_] - rounded(shear_x_ * p[z_]), p[y_] - rounded(shear_y_ * p[z_]), p[z_]};
+      return Watertight::sheared<Number>({p[shear_.x]}, {p[shear_.y]}, {p[shear_.z]}, {shear_.along_x},
+                                         {shear_.along_y});
     }
-    static T edge(const Sheared& p, const Sheared& q) { return rounded(p.x * q.y) - rounded(p.y * q.x); }
 
     template <class S>
     static bool outside(S u, S v, S w) {
@@ -139,32 +180,33 @@ struct Watertight {
     /// The edge functions with exact signs, up to a common positive factor. Products of floats are exact in
     /// double. For doubles the corners are first scaled by a power of two near 1; where two rounded products
     /// agree, the difference of their errors is the exact value.
-    static std::array<double, 3> exact_edges(const Sheared& a, const Sheared& b, const Sheared& c) {
+    static std::array<double, 3> exact_edges(const Corner& a, const Corner& b, const Corner& c) {
       double scale = 1;
       if constexpr (!std::is_same_v<T, float>) {
-        const T largest = std::max({std::abs(a.x), std::abs(a.y), std::abs(b.x), std::abs(b.y), std::abs(c.x),
-                                    std::abs(c.y), std::numeric_limits<T>::min()});
+        const T largest =
+            std::max({std::abs(a.x.value), std::abs(a.y.value), std::abs(b.x.value), std::abs(b.y.value),
+                      std::abs(c.x.value), std::abs(c.y.value), std::numeric_limits<T>::min()});
         scale = std::ldexp(1.0, -std::ilogb(largest));
       }
-      const auto exact = [scale](const Sheared& p, const Sheared& q) {
-        const Split m = two_product(p.x * scale, q.y * scale), n = two_product(p.y * scale, q.x * scale);
+      const auto exact = [scale](const Corner& p, const Corner& q) {
+        const Split m = two_product(p.x.value * scale, q.y.value * scale),
+                    n = two_product(p.y.value * scale, q.x.value * scale);
         return m.value != n.value ? m.value - n.value : m.error - n.error;
       };
       return {exact(c, b), exact(a, c), exact(b, a)};
     }
 
     template <class S>
-    std::optional<TriangleHit<T>> candidate(const std::array<S, 3>& edges, S sum, const Sheared& a,
-                                            const Sheared& b, const Sheared& c, const Triangle<T>& triangle,
+    std::optional<TriangleHit<T>> candidate(const std::array<S, 3>& edges, S sum, const Corner& a,
+                                            const Corner& b, const Corner& c, const Triangle<T>& triangle,
                                             T t_min, T t_max) const {
       const S u = edges[0] / sum, v = edges[1] / sum, w = edges[2] / sum;
-      const T height = static_cast<T>(u * S(a.z) + v * S(b.z) + w * S(c.z));
-      return detail::confined<T>({height / speed_, T(v), T(w)}, triangle, box_test_, t_min, t_max);
+      const T height = static_cast<T>(u * S(a.z.value) + v * S(b.z.value) + w * S(c.z.value));
+      return detail::confined<T>({height / shear_.speed, T(v), T(w)}, triangle, box_test_, t_min, t_max);
     }
 
     Vec<T, 3> origin_;
-    int x_, y_, z_;
-    T speed_, shear_x_, shear_y_;
+    Shear<T> shear_;
     BoxTest<T> box_test_;
   };
 };

@@ -24,4 +24,16 @@ inline T rounded(T x) {
 #endif
 }
 
+/// A number whose products are rounded on their own: what a kernel over any number type computes with it,
+/// vectors of such numbers compute lane by lane, bit for bit.
+template <class T>
+struct Rounded {
+  T value;
+
+  friend Rounded operator+(Rounded a, Rounded b) { return {a.value + b.value}; }
+  friend Rounded operator-(Rounded a, Rounded b) { return {a.value - b.value}; }
+  friend Rounded operator*(Rounded a, Rounded b) { return {rounded(a.value * b.value)}; }
+  friend Rounded operator/(Rounded a, Rounded b) { return {a.value / b.value}; }
+};
+
 }  // namespace treeline::geometry

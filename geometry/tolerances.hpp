@@ -48,34 +48,53 @@ constexpr T row_bound(int columns) {
 }
 
 /// How far a hit's point on the ray may be from its point on the triangle, along each axis, relative to the
-/// reach: the largest distance along an axis from the ray's origin to the bounds of all triangles. The ray
-/// tests themselves displace a triangle by up to 16 u of the reach (slab_padding along two axes); computing
-/// the two points takes 3 roundings of the weights, 5 of the triangle's point and 2 of the ray's. 32 covers
-/// the sum.
+/// reach: the largest distance along an axis from the ray's origin to a corner of the triangle. The ray tests
+/// themselves displace a triangle by up to 16 u of the reach (slab_padding along two axes); computing the two
+/// points takes 3 roundings of the weights, 5 of the triangle's point and 2 of the ray's. 32 covers the sum.
 template <class T>
 inline constexpr T hit_slack = T(32) * unit_roundoff<T>;
 
-/// Slack of a plane crossing in a tree's traversal, relative to the reach: hit_slack, and 4 roundings of the
-/// crossing, doubled.
+/// Slack of a plane crossing in a tree's traversal, relative to the reach of the triangles behind it:
+/// hit_slack, and 4 roundings of the crossing, doubled. The reach is at most the sum of two distances: the
+/// ray's origin from the tree's centre, for which the ray brings its share of the slack, and the triangles'
+/// corners from that centre, for which planes and boxes are stored widened (stored_slack).
 template <class T>
 inline constexpr T plane_slack = hit_slack<T> + T(8) * unit_roundoff<T>;
 
-/// Distance within which a corner counts as on an oblique plane, relative to half the diagonal of all
-/// triangles: 3 roundings of the plane's own corners, 5 of the normal, 4 of the distance, and room to find
-/// triangles of one flat wall on one plane.
+/// How far an edge's computed crossing with a plane may be from the true one, along each axis, relative to
+/// the triangle's largest coordinate there: 4 roundings of the parameter and 2 of the product with an edge up
+/// to twice as long, 1 of the sum; 16 covers the 13.
 template <class T>
-inline constexpr T on_plane = T(16) * unit_roundoff<T>;
+inline constexpr T crossing_slack = T(16) * unit_roundoff<T>;
 
-/// Slack of a ray's distance from an oblique plane, relative to the reach plus half the diagonal: on_plane,
-/// sqrt(3) hit_slack = 56 u, 7 u for the origin's distance, 7 u for the travelled one, 3 u to divide.
+/// Distance within which a corner counts as on an oblique plane, relative to the corner's largest distance
+/// along an axis from the tree's centre: 3 roundings of the plane's own corners, 5 of the normal, 4 of the
+/// distance, each of lengths up to sqrt(3) times that, and room to find triangles of one flat wall on one
+/// plane.
 template <class T>
-inline constexpr T oblique_slack = T(96) * unit_roundoff<T>;
+inline constexpr T on_plane = T(28) * unit_roundoff<T>;
+
+/// Slack of a ray's distance from an oblique plane, relative to the reach as above: on_plane, sqrt(3)
+/// hit_slack = 56 u, 12 u for the origin's distance, 12 u for the travelled one, 5 u to divide, 64 u for the
+/// corners of cut triangles (clip_slack; double alone); 192 covers the sum.
+template <class T>
+inline constexpr T oblique_slack = T(192) * unit_roundoff<T>;
 
 /// Slack of a bound on the distance to a closest point, relative to the largest coordinate involved: 4
 /// roundings to find the point, along each of three axes (12 sqrt(3) = 21), and 7 of a plane's distance, over
 /// lengths of up to twice a box's diagonal half (24); 64 covers the sum.
 template <class T>
 inline constexpr T closest_slack = T(64) * unit_roundoff<T>;
+
+/// Slack of clipping a triangle to a box in double, relative to its largest coordinate: a cut takes 5
+/// roundings of lengths up to twice that, and adds its error to that of the cuts before; 6 cuts.
+inline constexpr double clip_slack = 64 * unit_roundoff<double>;
+
+/// What a tree widens the axis planes and boxes by that it stores, relative to the largest distance along an
+/// axis from its centre to a corner of the triangles behind them: the larger of plane_slack and
+/// closest_slack.
+template <class T>
+inline constexpr T stored_slack = closest_slack<T>;
 
 /// A hit whose barycentric coordinates and cosine of incidence all exceed this tells for certain on which
 /// side of the triangle the ray came from: half the digits.

@@ -3,6 +3,8 @@
 // Cost: nothing to build, O(n) per query. No known weakness but that.
 #pragma once
 
+#include <ranges>
+
 #include "accel/slice.hpp"
 #include "accel/triangle_queries.hpp"
 
@@ -33,27 +35,27 @@ class BruteForce<Triangles<T, RayTest>>
   }
 
  private:
-  explicit BruteForce(TriangleSet<T>&& set) : Base(set), triangles_(std::move(set.items)) {
-    triangles_.shrink_to_fit();
+  explicit BruteForce(TriangleSet<T>&& set) : Base(set), triangles_(set.items.size()) {
+    triangles_.put(0, set.items, std::views::iota(std::size_t{0}, set.items.size()));
     TreeStats& s = this->stats_;
     s.references = s.largest_leaf = triangles_.size();
-    s.leaves = triangles_.empty() ? 0 : 1;
+    s.leaves = triangles_.size() == 0 ? 0 : 1;
     s.sah_cost = static_cast<double>(triangles_.size());
-    s.bytes = sizeof(*this) + triangles_.capacity() * sizeof(StoredTriangle<T>);
+    s.bytes = sizeof(*this) + triangles_.bytes();
   }
 
   template <bool any, class W>
   void trace(RayQuery<Primitives>& query, W& work) const {
     work.primitive(triangles_.size());
-    query.template test<any>(triangles_.data(), nullptr, triangles_.size());
+    query.template test<any>(triangles_, 0, triangles_.size());
   }
   template <class W>
   void approach(ClosestQuery<T>& query, W& work) const {
     work.primitive(triangles_.size());
-    query.test(triangles_.data(), nullptr, triangles_.size());
+    query.test(triangles_, 0, triangles_.size());
   }
 
-  std::vector<StoredTriangle<T>> triangles_;
+  TriangleLeaves<T> triangles_;  // one leaf
 };
 
 static_assert(TriangleIndex<BruteForce<Triangles<float, geometry::Watertight>>>);

@@ -1,45 +1,48 @@
 // Builder of a BSP tree over triangles: planes of any direction, chosen by the surface area heuristic.
 //
 // Source: Fuchs, Kedem and Naylor 1980 (planes through polygons); Ize, Wald and Parker 2008 (surface area
-// heuristic, ray tracing). Candidates are axis planes at sides of sampled triangles' boxes, and planes
-// through sampled triangles. Counts on either side are estimated from a sample of the node's triangles; a
-// cell is measured as if it were the box around it (box_cut.hpp), so costs are estimates. Coordinates are
-// taken relative to the centre of all triangles: far from the origin planes stay as exact as the triangles.
+// heuristic, ray tracing). Candidates are axis planes at sides of sampled fragments' boxes, and planes
+// through sampled triangles. Counts on either side are taken from a sample of the node's fragments, all of
+// them in small nodes; areas are those of the cell itself, a polytope, but for choosing among the axis
+// planes, where its box stands for it. Triangles are cut as their cell is (fragments.hpp), so that a triangle
+// is referenced only where a part of it is. The builder works relative to the centre of most triangles: far
+// from the origin planes stay as exact as the triangles. Planes are judged as they are stored, rounded.
 //
-// Sides: corners within on_plane of a plane count as on it. A triangle is referenced where it has a corner
-// clearly on that side; one that lies in the plane goes to the positive side. Triangles are not cut: a
-// reference stands for the whole triangle. Depth and references are bounded as in a KD tree
-// (kd_tree/build_triangles.hpp). Cost: O(n log n). Known weakness: large triangles reach into many cells.
+// Depth and references are bounded as in a KD tree (kd_tree/build_triangles.hpp). Cost: O(n log n). Known
+// weakness: planes through triangles peel a convex surface one by one; where that would leave a side too
+// large for the depth that remains, they are a last resort.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
-#include "accel/bsp_tree/box_cut.hpp"
+#include "accel/bsp_tree/fragments.hpp"
+#include "accel/bsp_tree/polytope.hpp"
 #include "accel/kd_tree/build_triangles.hpp"
 #include "accel/triangle_set.hpp"
-#include "geometry/plane.hpp"
-#include "geometry/tolerances.hpp"
 
 namespace treeline::accel {
 
 struct BspTriangleOptions : BuildOptions {
   double max_references = 8;  ///< bound on references per triangle
   int axis_planes = 16;       ///< axis planes tried per axis and node, at most
-  int oblique_planes = 4;     ///< planes through triangles tried per node
-  int sample = 96;            ///< triangles by which candidates are compared
+  int oblique_planes = 8;     ///< planes through triangles tried per node
+  int sample = 96;            ///< fragments by which candidates are compared
   double empty_bonus = 0.2;   ///< share of the cost taken off where one side is empty
-  double step_cost = 1.2;     ///< of a node, in triangle tests
+  double step_cost = 5;       ///< of a node with an axis plane, in triangle tests, eight at a time
+  double oblique_cost = 7.5;  ///< of a node with any other plane
 };
 
-/// Inner: the negative side of the plane is the next node, the positive side node `link`.
-/// Leaf: references link … link + count - 1.
+/// Inner: what is on the negative side of the plane is in the next node, what is on the positive side in node
+/// `link`; kept is the plane as the two see it, widened: where the negative part ends and where the positive
+/// part begins. Leaf: references link … link + count - 1.
 template <class T>
 struct BspTriangleNode {
   static constexpr std::uint32_t oblique = 3, leaf_kind = 4;  // below: an axis plane, and its axis
 
   geometry::Vec<T, 3> normal;  ///< of unit length
-  T offset{};                  ///< oblique: relative to the tree's centre; axis plane: the coordinate itself
+  T border[2]{};               ///< oblique: relative to the tree's centre; axis plane: the coordinate itself
   std::uint32_t link = 0;
   std::uint32_t kind : 3 = leaf_kind;
   std::uint32_t count : 29 = 0;
@@ -58,215 +61,251 @@ class BspTriangleBuilder {
       throw InvalidInput("sample must be positive; axis_planes and oblique_planes must not be negative");
     const std::size_t n = set.items.size();
     if (n == 0) return;
-    centre = set.bounds.centre();
-    T widest = 0;
-    for (int k = 0; k < 3; ++k)
-      widest = std::max(widest, set.bounds.high[k] * T(0.5) - set.bounds.low[k] * T(0.5));
-    radius = widest * T(1.7321);
-    if (widest > T(0)) unit_ = static_cast<double>(widest);
-    std::vector<std::uint32_t> refs(n);
-    for (std::size_t i = 0; i < n; ++i) refs[i] = static_cast<std::uint32_t>(i);
-    build(std::move(refs), {in_units(set.bounds.low), in_units(set.bounds.high)}, 1, 0,
+    double widest = 0;
+    for (int k = 0; k < 3; ++k) widest = std::max(widest, set.bounds.high[k] * 0.5 - set.bounds.low[k] * 0.5);
+    if (widest > 0) unit_ = std::ldexp(1.0, std::ilogb(widest));
+    Fragments all;
+    for (std::size_t i = 0; i < n; ++i) {
+      const geometry::Triangle<T>& t = set.items[i].triangle;
+      const Vec3d corners[3] = {in_units(t.a), in_units(t.b), in_units(t.c)};
+      double reach = 0;
+      for (const Vec3d& p : corners)
+        for (int k = 0; k < 3; ++k) reach = std::max(reach, std::abs(p[k]));
+      all.add({static_cast<std::uint32_t>(i), 0, 0, reach}, corners, 3);
+    }
+    build(std::move(all), Polytope({in_units(set.bounds.low), in_units(set.bounds.high)}), 1, 0,
           options.max_references * static_cast<double>(n));
     nodes.shrink_to_fit();
-    references.shrink_to_fit();
   }
 
-  geometry::Vec<T, 3> centre{};
-  T radius = 0;  // no triangle is farther from the centre
   std::vector<BspTriangleNode<T>> nodes;
   std::vector<std::uint32_t> references;  // indices into the set's items
-  std::size_t leaves = 0, depth = 0, largest_leaf = 0;
+  std::size_t leaves = 0, oblique_nodes = 0, depth = 0, largest_leaf = 0;
   double cost = 0;
 
  private:
   using Vec3d = geometry::Vec3d;
   using Plane = geometry::Plane3d;
-  using Corners = std::array<Vec3d, 3>;
-  using Refs = std::vector<std::uint32_t>;
-  using Box = geometry::Box<T, 3>;
   using Node = BspTriangleNode<T>;
-  struct Sides {
-    bool negative, positive;
-  };
+  // Of computed corners; what is left of a flat wall when its plane is rounded. See tolerances.hpp.
+  static constexpr double on_axis_plane = 2 * geometry::tolerance::clip_slack;
+  static constexpr double on_plane = double(geometry::tolerance::on_plane<T>);
+
   struct Split {
     double cost = std::numeric_limits<double>::infinity();
     std::uint32_t kind = Node::leaf_kind;
-    T offset{};                  // of an axis plane
-    Plane plane;                 // in units; as the node will store it, rounded to T
-    std::array<double, 2> area;  // of the cell's parts
+    T offset{};                    // as the node keeps it
+    Plane plane;                   // in units; rounded to T as the node keeps it
+    std::array<double, 2> area{};  // of the cell's parts
+
+    double tolerance() const { return kind == Node::oblique ? on_plane : on_axis_plane; }
   };
-  struct Sample {
-    Corners corners;
-    Box box;
+  struct Part {
+    Fragments fragments;
+    Polytope cell;
   };
 
-  // The builder works relative to the centre and in units of half the widest extent, so that nothing
-  // overflows.
+  // In units of a power of two near half the widest extent, so that nothing overflows.
   double in_units(T x, int axis) const {
-    return (static_cast<double>(x) * 0.5 - static_cast<double>(centre[axis]) * 0.5) * (2 / unit_);
+    return (static_cast<double>(x) * 0.5 - static_cast<double>(set_.centre[axis]) * 0.5) * (2 / unit_);
   }
   Vec3d in_units(const geometry::Vec<T, 3>& p) const {
     return {in_units(p[0], 0), in_units(p[1], 1), in_units(p[2], 2)};
   }
-  Corners corners(std::uint32_t i) const {
-    const geometry::Triangle<T>& t = set_.items[i].triangle;
-    return {in_units(t.a), in_units(t.b), in_units(t.c)};
-  }
-  /// What remains of a plane when it is stored.
-  Plane stored(const Plane& p) const {
-    return {Vec3d(geometry::Vec<T, 3>(p.normal)),
-            static_cast<double>(static_cast<T>(p.offset * unit_)) / unit_};
-  }
 
-  static Sides sides(const Corners& corners, const Plane& plane) {
-    constexpr double on_plane = 1.7321 * double(geometry::tolerance::on_plane<T>);
-    const double d[3] = {plane.signed_distance(corners[0]), plane.signed_distance(corners[1]),
-                         plane.signed_distance(corners[2])};
-    const bool negative = std::min({d[0], d[1], d[2]}) < -on_plane;
-    return {negative, !negative || std::max({d[0], d[1], d[2]}) > on_plane};
-  }
-  static Sides sides(const Box& box, int axis, T offset) {
-    const bool positive = box.high[axis] > offset;
-    return {box.low[axis] < offset || !positive, positive};
-  }
-  Sides sides(std::uint32_t i, const Split& split) const {
-    if (split.kind == Node::oblique) return sides(corners(i), split.plane);
-    return sides(set_.items[i].triangle.box(), static_cast<int>(split.kind), split.offset);
-  }
-
-  void build(Refs&& refs, const geometry::Box3d& cell, double share, std::size_t level, double budget) {
-    const std::size_t n = refs.size();
+  /// Returns the reach from the centre of the triangles referenced.
+  T build(Fragments&& all, const Polytope& cell, double share, std::size_t level, double budget) {
+    const std::size_t n = all.size();
+    const double whole = cell.area();
     Split split;
-    if (level < depth_limit_ && n > 1) split = best_split(refs, cell, level);
-    Refs part[2];
-    if (split.kind != Node::leaf_kind) {
-      for (const std::uint32_t i : refs) {
-        const Sides s = sides(i, split);
-        if (s.negative) part[0].push_back(i);
-        if (s.positive) part[1].push_back(i);
-      }
-    }
-    const double whole = surface_area(cell);
-    if (!worthwhile(split, whole, n, part[0].size(), part[1].size(), budget))
-      return add_leaf(refs, share, level);
-    Refs().swap(refs);
+    if (level < depth_limit_ && n > 1 && whole > 0) split = best_split(all, cell, whole, level);
+    Fragments parts[2];
+    if (split.kind != Node::leaf_kind) part(all, split.plane, split.tolerance(), parts);
+    if (!worthwhile(split, whole, n, parts[0].size(), parts[1].size(), budget))
+      return add_leaf(all, share, level);
+    Fragments().items.swap(all.items), Fragments().corners.swap(all.corners);
 
     const std::size_t here = nodes.size();
-    Node& node = nodes.emplace_back();
-    node.normal = geometry::Vec<T, 3>(split.plane.normal);
-    node.offset = split.kind == Node::oblique ? static_cast<T>(split.plane.offset * unit_) : split.offset;
-    node.kind = split.kind;
+    nodes.emplace_back();
+    nodes[here].normal = geometry::Vec<T, 3>(split.plane.normal);
+    nodes[here].kind = split.kind;
+    oblique_nodes += split.kind == Node::oblique;
     cost += share;
-    const double below = static_cast<double>(part[0].size()), above = static_cast<double>(part[1].size());
+    const double below = static_cast<double>(parts[0].size()), above = static_cast<double>(parts[1].size());
     const double below_budget = budget * (below / (below + above));
-    const BoxCut parts = cut(cell, split.plane);
+    auto cells = cell.cut(split.plane);
     const auto part_of_share = [&](int side) { return share * std::min(1.0, split.area[side] / whole); };
-    build(std::move(part[0]), parts.bounds[0], part_of_share(0), level + 1, below_budget);
+    T reach =
+        build(std::move(parts[0]), std::exchange(cells[0], {}), part_of_share(0), level + 1, below_budget);
     nodes[here].link = static_cast<std::uint32_t>(nodes.size());
-    build(std::move(part[1]), parts.bounds[1], part_of_share(1), level + 1, budget - below_budget);
+    reach = std::max(reach, build(std::move(parts[1]), std::exchange(cells[1], {}), part_of_share(1),
+                                  level + 1, budget - below_budget));
+    const T slack = split.kind == Node::oblique
+                        ? geometry::tolerance::oblique_slack<T> / geometry::tolerance::stored_slack<T>
+                        : T(2);  // corners of fragments are computed, too
+    const Widened<T> border(split.offset, split.offset, slack * reach);
+    nodes[here].border[0] = border.high, nodes[here].border[1] = border.low;
+    return reach;
   }
 
-  double split_cost(const std::array<double, 2>& area, double whole, double below, double above) const {
-    const double tests = (area[0] * below + area[1] * above) / whole;
-    return options_.step_cost + (below == 0 || above == 0 ? (1 - options_.empty_bonus) * tests : tests);
+  double split_cost(const Split& split, double whole, double below, double above) const {
+    const double tests = (split.area[0] * below + split.area[1] * above) / whole;
+    return (split.kind == Node::oblique ? options_.oblique_cost : options_.step_cost) +
+           (below == 0 || above == 0 ? (1 - options_.empty_bonus) * tests : tests);
   }
 
   bool worthwhile(const Split& split, double whole, std::size_t n, std::size_t below, std::size_t above,
                   double budget) const {
     if (below + above == 0 || static_cast<double>(below + above) > budget) return false;
-    if (split_cost(split.area, whole, static_cast<double>(below), static_cast<double>(above)) <
+    if (split_cost(split, whole, static_cast<double>(below), static_cast<double>(above)) <
         static_cast<double>(n))
       return true;
     return n > static_cast<std::size_t>(options_.leaf_size) && below < n && above < n &&
            below + above <= n + n / 2;
   }
 
-  void add_leaf(const Refs& refs, double share, std::size_t level) {
-    if (references.size() + refs.size() > 0xffffffffu)
+  T add_leaf(const Fragments& all, double share, std::size_t level) {
+    if (references.size() + all.size() > 0xffffffffu)
       throw InvalidInput("more than 2^32 references; lower max_references");
     Node& leaf = nodes.emplace_back();
     leaf.link = static_cast<std::uint32_t>(references.size());
-    leaf.count = static_cast<std::uint32_t>(refs.size());
-    references.insert(references.end(), refs.begin(), refs.end());
+    leaf.count = static_cast<std::uint32_t>(all.size());
+    T reach = 0;
+    for (const Fragment& f : all.items) {
+      references.push_back(f.triangle);
+      reach = std::max(reach, reach_of(set_.centre, set_.items[f.triangle].triangle.box()));
+    }
     ++leaves;
     depth = std::max(depth, level);
-    largest_leaf = std::max(largest_leaf, refs.size());
-    cost += share * static_cast<double>(refs.size());
+    largest_leaf = std::max(largest_leaf, all.size());
+    cost += share * static_cast<double>(all.size());
+    return reach;
   }
 
-  Split best_split(const Refs& refs, const geometry::Box3d& cell, std::size_t level) {
-    const double whole = surface_area(cell);
-    if (!(whole > 0)) return {};
-    const std::size_t m = std::min(refs.size(), static_cast<std::size_t>(options_.sample));
-    sample_.clear();
+  Split best_split(const Fragments& all, const Polytope& cell, double whole, std::size_t level) {
+    const std::size_t m = std::min(all.size(), static_cast<std::size_t>(options_.sample));
+    sample_.clear(), boxes_.clear();
     for (std::size_t i = 0; i < m; ++i) {
-      const std::uint32_t ref = refs[i * refs.size() / m];
-      sample_.push_back({corners(ref), set_.items[ref].triangle.box()});
+      sample_.push_back(all.items[i * all.size() / m]);
+      boxes_.push_back(all.box(sample_.back()));
     }
-
     // A side that could not be halved down to leaves within the depth limit is a last resort: planes that
     // peel triangles off a convex surface one by one look cheap each, and lead nowhere.
     const double room = std::exp2(static_cast<double>(depth_limit_ - level - 1) / 1.3) * options_.leaf_size;
+    const double each = static_cast<double>(all.size()) / static_cast<double>(m);
     Split best, last_resort;
-    const double each = static_cast<double>(refs.size()) / static_cast<double>(m);
-    const auto offer = [&](Split split, auto&& sides_of) {
+    const auto offer = [&](Split split) {
+      split.area = cell.areas(split.plane);
       if (!(split.area[0] > 0 && split.area[1] > 0)) return;
       double below = 0, above = 0;
-      for (const Sample& s : sample_) {
-        const Sides on = sides_of(s);
-        below += on.negative, above += on.positive;
+      for (const Fragment& f : sample_) {
+        const Sides to = sides(all, f, split.plane, split.tolerance());
+        below += to.negative, above += to.positive;
       }
-      split.cost = split_cost(split.area, whole, below * each, above * each);
+      split.cost = split_cost(split, whole, below * each, above * each);
       Split& rival = std::max(below, above) * each <= room ? best : last_resort;
       if (split.cost < rival.cost) rival = split;
     };
-    offer_axis_planes(cell, offer);
-    offer_triangle_planes(cell, offer);
+    find_gaps(all);
+    const geometry::Box3d box = cell.box();
+    for (int axis = 0; axis < 3; ++axis) {
+      const Split split = best_axis_plane(box, axis, each);
+      if (split.kind != Node::leaf_kind) offer(split);
+    }
+    double reach = 0;
+    for (const Fragment& f : all.items) reach = std::max(reach, f.reach);
+    offer_triangle_planes(double(geometry::tolerance::oblique_slack<T>) * reach, offer);
     return best.kind != Node::leaf_kind ? best : last_resort;
   }
 
-  template <class Offer>
-  void offer_axis_planes(const geometry::Box3d& cell, Offer&& offer) {
+  /// What a sample overlooks: where along each axis the fragments begin and end, and the widest gap between
+  /// them; beyond and within is empty space.
+  void find_gaps(const Fragments& all) {
+    constexpr std::size_t bins = 32;
+    geometry::Box3d filled;
+    for (const Vec3d& p : all.corners) filled.grow(p);
     for (int axis = 0; axis < 3; ++axis) {
-      const auto inside = [&](T x) {
-        const double at = in_units(x, axis);
-        return cell.low[axis] < at && at < cell.high[axis];
-      };
-      planes_.clear();
-      for (const Sample& s : sample_)
-        for (const T x : {s.box.low[axis], s.box.high[axis]})
-          if (inside(x)) planes_.push_back(x);
-      std::sort(planes_.begin(), planes_.end());
-      planes_.erase(std::unique(planes_.begin(), planes_.end()), planes_.end());
-      const std::size_t count = std::min(static_cast<std::size_t>(options_.axis_planes), planes_.size());
-      for (std::size_t i = 0; i < count; ++i) {
-        Split split;
-        split.kind = static_cast<std::uint32_t>(axis);
-        split.offset = planes_[count > 1 ? i * (planes_.size() - 1) / (count - 1) : 0];
-        split.plane.normal[axis] = 1;
-        split.plane.offset = in_units(split.offset, axis);
-        geometry::Box3d below = cell, above = cell;
-        below.high[axis] = above.low[axis] = split.plane.offset;
-        split.area = {surface_area(below), surface_area(above)};
-        offer(split, [&](const Sample& s) { return sides(s.box, axis, split.offset); });
+      gaps_[axis] = {filled.low[axis], filled.high[axis]};
+      const double scale = double(bins) / (filled.high[axis] - filled.low[axis]);
+      if (!std::isfinite(scale) || all.size() <= sample_.size()) continue;
+      std::array<double, bins> low, high;
+      low.fill(std::numeric_limits<double>::infinity()), high.fill(-low[0]);
+      for (const Fragment& f : all.items) {
+        double from = std::numeric_limits<double>::infinity(), to = -from;
+        for (std::uint32_t i = 0; i < f.count; ++i) {
+          const double x = all.polygon(f)[i][axis];
+          from = std::min(from, x), to = std::max(to, x);
+        }
+        const auto bin = std::min(bins - 1, static_cast<std::size_t>((from - filled.low[axis]) * scale));
+        low[bin] = std::min(low[bin], from), high[bin] = std::max(high[bin], to);
       }
+      double reached = high[0], widest = 0;
+      std::array<double, 2> gap{filled.low[axis], filled.high[axis]};
+      for (std::size_t i = 1; i < bins; ++i) {
+        if (std::isfinite(low[i]) && low[i] - reached > widest)
+          widest = low[i] - reached, gap = {reached, low[i]};
+        reached = std::max(reached, high[i]);
+      }
+      gaps_[axis].insert(gaps_[axis].end(), gap.begin(), gap.end());
     }
   }
 
+  /// By the cell's box and the fragments' boxes.
+  Split best_axis_plane(const geometry::Box3d& cell, int axis, double each) {
+    planes_.clear(), lows_.clear(), highs_.clear();
+    const auto offer = [&](double x) {
+      if (cell.low[axis] < x && x < cell.high[axis]) planes_.push_back(x);
+    };
+    for (const geometry::Box3d& b : boxes_) {
+      lows_.push_back(b.low[axis]), highs_.push_back(b.high[axis]);
+      offer(b.low[axis]), offer(b.high[axis]);
+    }
+    std::sort(planes_.begin(), planes_.end());
+    planes_.erase(std::unique(planes_.begin(), planes_.end()), planes_.end());
+    std::sort(lows_.begin(), lows_.end()), std::sort(highs_.begin(), highs_.end());
+    const std::size_t count = std::min(static_cast<std::size_t>(options_.axis_planes), planes_.size());
+    for (std::size_t i = 0; i < count; ++i)
+      planes_[i] = planes_[count > 1 ? i * (planes_.size() - 1) / (count - 1) : 0];
+    planes_.resize(count);
+    for (const double x : gaps_[axis]) offer(x);
+    Split best;
+    const double whole = surface_area(cell);
+    for (const double at : planes_) {
+      Split split;
+      split.kind = static_cast<std::uint32_t>(axis);
+      split.offset = static_cast<T>(at * unit_ + static_cast<double>(set_.centre[axis]));
+      split.plane.normal[axis] = 1;
+      split.plane.offset = in_units(split.offset, axis);
+      geometry::Box3d parts[2] = {cell, cell};
+      parts[0].high[axis] = parts[1].low[axis] = split.plane.offset;
+      split.area = {surface_area(parts[0]), surface_area(parts[1])};
+      const auto below = std::lower_bound(lows_.begin(), lows_.end(), split.plane.offset) - lows_.begin();
+      const auto above = highs_.end() - std::upper_bound(highs_.begin(), highs_.end(), split.plane.offset);
+      split.cost =
+          split_cost(split, whole, static_cast<double>(below) * each, static_cast<double>(above) * each);
+      if (split.cost < best.cost) best = split;
+    }
+    return best;
+  }
+
+  /// A plane that rays see blurred by more than the size of its triangle (because a triangle far away is
+  /// among the fragments) would tell nothing apart.
   template <class Offer>
-  void offer_triangle_planes(const geometry::Box3d& cell, Offer&& offer) {
+  void offer_triangle_planes(double blur, Offer&& offer) {
     const std::size_t count = std::min(sample_.size(), static_cast<std::size_t>(options_.oblique_planes));
     for (std::size_t i = 0; i < count; ++i) {
-      const Corners& c = sample_[i * sample_.size() / count].corners;
-      const Vec3d normal = cross(c[1] - c[0], c[2] - c[0]);
+      const geometry::Triangle<T>& t = set_.items[sample_[i * sample_.size() / count].triangle].triangle;
+      const Vec3d a = in_units(t.a), normal = cross(in_units(t.b) - a, in_units(t.c) - a);
       const double size = length(normal);
-      if (!(size > 0)) continue;
+      if (!(size > blur * blur)) continue;
       Split split;
       split.kind = Node::oblique;
-      split.plane = stored({normal / size, dot(normal / size, c[0])});
-      split.area = cut(cell, split.plane).area;
-      offer(split, [&](const Sample& s) { return sides(s.corners, split.plane); });
+      split.plane.normal = Vec3d(geometry::Vec<T, 3>(normal / size));
+      split.offset = static_cast<T>(dot(split.plane.normal, a) * unit_);
+      split.plane.offset = static_cast<double>(split.offset) / unit_;
+      const Vec3d& stored = split.plane.normal;
+      if (std::max({std::abs(stored[0]), std::abs(stored[1]), std::abs(stored[2])}) < 1)
+        offer(split);  // a triangle that lies across an axis has axis planes at its sides
     }
   }
 
@@ -274,8 +313,10 @@ class BspTriangleBuilder {
   BspTriangleOptions options_;
   std::size_t depth_limit_;
   double unit_ = 1;
-  std::vector<Sample> sample_;  // of the node being split
-  std::vector<T> planes_;       // of one axis of it
+  std::vector<Fragment> sample_;  // of the node being split, and their boxes
+  std::vector<geometry::Box3d> boxes_;
+  std::vector<double> planes_, lows_, highs_;  // along one axis of it
+  std::array<std::vector<double>, 3> gaps_;
 };
 
 }  // namespace treeline::accel

@@ -4,15 +4,15 @@
 // A ray visits cells front to back, its interval of t clipped at each plane with a slack in distance
 // (oblique_slack) that covers all rounding: both sides are visited where the ray runs within it, which also
 // settles planes that are parallel to the ray, nearly or exactly. As every hit lies within hit_slack of its
-// triangle (see ray_query.hpp), none is lost. Closest points are bounded by the largest distance to the
-// planes that separate a cell from the query. Sources: Fuchs, Kedem and Naylor 1980; Ize, Wald and Parker
-// 2008 (build, see build_triangles.hpp). Cost: O(n log n) to build, O(log n) expected per ray; a step costs
-// two dot products where a KD tree's costs none. Known weakness: plane distances bound closest points badly
-// where a cell is narrow: many cells are visited.
+// triangle (see ray_query.hpp), none is lost. Axis planes are crossed as in a KD tree, without a dot product
+// (the fast path of Ize, Wald and Parker). Closest points are bounded by the largest distance to the planes
+// that separate a cell from the query. Sources: Fuchs, Kedem and Naylor 1980; Ize, Wald and Parker 2008
+// (build, see build_triangles.hpp). Cost: O(n log n) to build, O(log n) expected per ray; a step through an
+// oblique plane takes two dot products and a division. Known weakness: plane distances bound closest points
+// badly where a cell is narrow: many cells are visited.
 #pragma once
 
 #include "accel/bsp_tree/build_triangles.hpp"
-#include "accel/leaf_order.hpp"
 #include "accel/slice.hpp"
 #include "accel/triangle_queries.hpp"
 
@@ -44,45 +44,40 @@ class BspTree<Triangles<T, RayTest>>
   void trace(RayQuery<Primitives>& query, W& work) const;
   template <class W>
   void approach(ClosestQuery<T>& query, W& work) const;
-  T slack(const RayQuery<Primitives>& query) const;
+  static T slack(const RayQuery<Primitives>& query);
 
-  geometry::Vec<T, 3> centre_;
-  T radius_;
   std::vector<Node> nodes_;
-  std::vector<std::uint32_t> references_;
-  std::vector<StoredTriangle<T>> triangles_;
+  TriangleLeaves<T> triangles_;
 };
 
 template <class T, class RayTest>
 BspTree<Triangles<T, RayTest>>::BspTree(TriangleSet<T>&& set, const Options& options) : Base(set) {
   BspTriangleBuilder<T> built(set, options);
-  centre_ = built.centre;
-  radius_ = built.radius;
   nodes_ = std::move(built.nodes);
-  references_ = std::move(built.references);
-  triangles_ = std::move(set.items);
-  put_in_leaf_order(triangles_, references_);
+  triangles_ = TriangleLeaves<T>(built.references.size());
+  for (const Node& node : nodes_)
+    if (node.leaf())
+      triangles_.put(node.link, set.items, std::span(built.references).subspan(node.link, node.count));
   TreeStats& s = this->stats_;
-  s.references = references_.size();
+  s.references = triangles_.size();
   s.leaves = built.leaves;
   s.inner_nodes = nodes_.size() - built.leaves;
+  s.oblique_nodes = built.oblique_nodes;
   s.depth = built.depth;
   s.largest_leaf = built.largest_leaf;
   s.sah_cost = built.cost;
-  s.bytes = sizeof(*this) + nodes_.capacity() * sizeof(Node) +
-            references_.capacity() * sizeof(std::uint32_t) +
-            triangles_.capacity() * sizeof(StoredTriangle<T>);
+  s.bytes = sizeof(*this) + nodes_.capacity() * sizeof(Node) + triangles_.bytes();
 }
 
-/// Distance from a plane within which a ray counts as on it. Infinite, so that both sides are always visited,
-/// where products of the direction could leave the range of T.
+/// The ray's share of the distance from a plane within which it counts as on it. Infinite, so that both sides
+/// are always visited, where products of the direction could leave the range of T.
 template <class T, class RayTest>
-T BspTree<Triangles<T, RayTest>>::slack(const RayQuery<Primitives>& query) const {
+T BspTree<Triangles<T, RayTest>>::slack(const RayQuery<Primitives>& query) {
   const auto& d = query.ray().direction;
   const T speed = std::abs(d[largest_axis(d)]);
   constexpr T small = T(1e-18), large = T(1e18);
   if (!(small < speed && speed < large)) return std::numeric_limits<T>::infinity();
-  return geometry::tolerance::oblique_slack<T> * (query.reach() + radius_) + std::numeric_limits<T>::min();
+  return geometry::tolerance::oblique_slack<T> * query.reach() + std::numeric_limits<T>::min();
 }
 
 template <class T, class RayTest>
@@ -95,10 +90,10 @@ void BspTree<Triangles<T, RayTest>>::trace(RayQuery<Primitives>& query, W& work)
   Waiting stack[kd_stack_size];
   int height = 0;
   const PaddedRay<T> ray = query.padded();  // a copy: known not to change under calls
-  const T slack = this->slack(query);
-  const geometry::Vec<T, 3> origin = query.ray().origin - centre_, direction = query.ray().direction;
+  const T slack = BspTree::slack(query);
+  const geometry::Vec<T, 3> origin = query.ray().origin - this->centre_, direction = query.ray().direction;
   T t0 = query.ray().t_min, t1 = query.limit();
-  if (!ray.clip(this->bounds_, t0, t1)) return;
+  if (!ray.clip(widened(this->bounds_, reach_of(this->centre_, this->bounds_)), t0, t1)) return;
   std::uint32_t at = 0;
   for (;;) {
     const Node& node = nodes_[at];
@@ -108,13 +103,14 @@ void BspTree<Triangles<T, RayTest>>::trace(RayQuery<Primitives>& query, W& work)
       std::size_t near;
       if (node.axis_plane()) {
         const int axis = static_cast<int>(node.kind);
-        leave = ray.exit(axis, node.offset), enter = ray.enter(axis, node.offset);
         near = ray.backward(axis);
+        leave = ray.exit(axis, node.border[near]), enter = ray.enter(axis, node.border[1 - near]);
       } else {
-        const T distance = dot(node.normal, origin) - node.offset, speed = dot(node.normal, direction);
+        const T distance = dot(node.normal, origin), speed = dot(node.normal, direction);
         const T inverse = T(1) / speed, widening = std::copysign(slack, speed);
-        leave = (widening - distance) * inverse, enter = (-widening - distance) * inverse;
         near = std::signbit(speed);
+        leave = ((node.border[near] - distance) + widening) * inverse;
+        enter = ((node.border[1 - near] - distance) - widening) * inverse;
       }
       const T near_t1 = leave < t1 ? leave : t1, far_t0 = enter > t0 ? enter : t0;  // NaN: no bound
       const std::uint32_t side[2] = {at + 1, node.link};
@@ -129,7 +125,7 @@ void BspTree<Triangles<T, RayTest>>::trace(RayQuery<Primitives>& query, W& work)
       }
     } else if (node.count > 0) {
       work.primitive(node.count);
-      if (query.template test<any>(triangles_.data(), references_.data() + node.link, node.count)) return;
+      if (query.template test<any>(triangles_, node.link, node.count)) return;
     }
     do {
       if (height == 0) return;
@@ -152,28 +148,31 @@ void BspTree<Triangles<T, RayTest>>::approach(ClosestQuery<T>& query, W& work) c
   Waiting stack[kd_stack_size];
   int height = 0;
   const T slack = query.slack();
-  const geometry::Vec<T, 3>&p = query.point(), from_centre = p - centre_;
+  const geometry::Vec<T, 3>&p = query.point(), from_centre = p - this->centre_;
   Waiting now{0, {}, T(0)};
+  const auto box = widened(this->bounds_, reach_of(this->centre_, this->bounds_));
   for (int k = 0; k < 3; ++k)
-    now.gap[k] = std::max({this->bounds_.low[k] - p[k] - slack, p[k] - this->bounds_.high[k] - slack, T(0)});
+    now.gap[k] = std::max({box.low[k] - p[k] - slack, p[k] - box.high[k] - slack, T(0)});
   for (;;) {
     while (!query.prunes(now.bound2())) {
       const Node& node = nodes_[now.node];
       if (node.leaf()) {
         work.primitive(node.count);
-        query.test(triangles_.data(), references_.data() + node.link, node.count);
+        query.test(triangles_, node.link, node.count);
         break;
       }
       work.node();
       const int axis = static_cast<int>(node.kind);
-      const T distance = (node.axis_plane() ? p[axis] : dot(node.normal, from_centre)) - node.offset;
+      const T at = node.axis_plane() ? p[axis] : dot(node.normal, from_centre);
+      const T beyond[2] = {at - node.border[0], node.border[1] - at};  // of either child
       const std::uint32_t side[2] = {now.node + 1, node.link};
+      const std::size_t near = beyond[1] < beyond[0];
       Waiting far = now;
-      far.node = side[distance < T(0)];
+      far.node = side[1 - near];
       T& gap = node.axis_plane() ? far.gap[axis] : far.oblique;
-      gap = std::max(gap, std::abs(distance) - slack);
+      gap = std::max(gap, beyond[1 - near] - slack);
       if (!query.prunes(far.bound2())) stack[height++] = far;
-      now.node = side[!(distance < T(0))];
+      now.node = side[near];
     }
     if (height == 0) return;
     now = stack[--height];
@@ -192,7 +191,7 @@ std::vector<SliceCell> BspTree<Triangles<T, RayTest>>::slice(int axis, double of
   std::vector<SliceCell> cells;
   std::vector<Open> open;
   if (this->size() > 0 && plane.cuts(this->bounds_)) open.push_back({0, plane.outline(this->bounds_), 0});
-  const geometry::Vec3d centre(centre_);
+  const geometry::Vec3d centre(this->centre_);
   while (!open.empty()) {
     Open now = std::move(open.back());
     open.pop_back();
@@ -204,7 +203,8 @@ std::vector<SliceCell> BspTree<Triangles<T, RayTest>>::slice(int axis, double of
     }
     const geometry::Vec3d n(node.normal);
     const double from_origin = node.axis_plane() ? 0 : dot(n, centre);
-    const double level = static_cast<double>(node.offset) + from_origin - n[axis] * offset;
+    const double middle = static_cast<double>(node.border[0]) / 2 + static_cast<double>(node.border[1]) / 2;
+    const double level = middle + from_origin - n[axis] * offset;
     const geometry::Vec2d in_slice{n[plane.u], n[plane.v]};
     open.push_back({now.node + 1, clipped(now.outline, in_slice, level), now.depth + 1});
     open.push_back({node.link, clipped(now.outline, -in_slice, -level), now.depth + 1});

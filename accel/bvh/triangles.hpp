@@ -7,6 +7,8 @@
 // are mostly empty.
 #pragma once
 
+#include <ranges>
+
 #include "accel/bvh/build_triangles.hpp"
 #include "accel/slice.hpp"
 #include "accel/triangle_queries.hpp"
@@ -41,7 +43,7 @@ class Bvh<Triangles<T, RayTest>> : public TriangleQueries<Bvh<Triangles<T, RayTe
 
   Child root_;
   std::vector<BvhNode<T>> nodes_;
-  std::vector<StoredTriangle<T>> triangles_;  // in leaf order
+  TriangleLeaves<T> triangles_;  // in leaf order
 };
 
 template <class T, class RayTest>
@@ -49,19 +51,25 @@ Bvh<Triangles<T, RayTest>>::Bvh(TriangleSet<T>&& set, const Options& options) : 
   BvhBuilder<T> built(set, options);
   root_ = built.root;
   nodes_ = std::move(built.nodes);
-  triangles_ = std::move(set.items);
+  triangles_ = TriangleLeaves<T>(set.items.size());
+  const auto keep = [&](Child& c) {
+    if (c.count > 0) triangles_.put(c.first, set.items, std::views::iota(c.first, c.first + c.count));
+    const geometry::Box<T, 3> box = c.box(), wide = widened(box, reach_of(this->centre_, box));
+    c.corner[0] = wide.low, c.corner[1] = wide.high;
+  };
+  keep(root_);
+  for (BvhNode<T>& node : nodes_) keep(node.child[0]), keep(node.child[1]);
   TreeStats& s = this->stats_;
   s.references = triangles_.size();
   s.inner_nodes = nodes_.size();
   s.leaves = built.leaves;
   s.depth = built.depth;
   s.largest_leaf = built.largest_leaf;
-  s.bytes = sizeof(*this) + nodes_.capacity() * sizeof(BvhNode<T>) +
-            triangles_.capacity() * sizeof(StoredTriangle<T>);
+  s.bytes = sizeof(*this) + nodes_.capacity() * sizeof(BvhNode<T>) + triangles_.bytes();
   const auto area = [](const geometry::Box<T, 3>& b) {
     return surface_area(geometry::Box3d{geometry::Vec3d(b.low), geometry::Vec3d(b.high)});
   };
-  if (triangles_.empty() || !(area(root_.box()) > 0)) return;
+  if (triangles_.size() == 0 || !(area(root_.box()) > 0)) return;
   double cost = 0;
   const auto add = [&](const Child& c) {
     cost += area(c.box()) * (c.count > 0 ? static_cast<double>(c.count) : 1.0);
@@ -106,7 +114,7 @@ void Bvh<Triangles<T, RayTest>>::trace(RayQuery<Primitives>& query, W& work) con
       }
     } else {
       work.primitive(count);
-      if (query.template test<any>(triangles_.data() + first, nullptr, count)) return;
+      if (query.template test<any>(triangles_, first, count)) return;
     }
     do {
       if (height == 0) return;
@@ -131,7 +139,7 @@ void Bvh<Triangles<T, RayTest>>::approach(ClosestQuery<T>& query, W& work) const
     if (query.prunes(top.distance2)) continue;
     if (top.count > 0) {
       work.primitive(top.count);
-      query.test(triangles_.data() + top.first, nullptr, top.count);
+      query.test(triangles_, top.first, top.count);
       continue;
     }
     work.node();

@@ -5,13 +5,14 @@
 // the point of the hit has the hit within its interval: none is lost by rounding, and the walk may stop as
 // soon as the nearest hit so far precedes the next cell's interval. A hit found early in a cell but lying
 // behind it is kept as a bound only. Sources: Fussell and Subramanian 1988; Wald and Havran 2006 (build, see
-// build_triangles.hpp). Cost: O(n log n) to build, O(log n) expected per query, n (40 + 16 references per
-// triangle) bytes for float, about. Known weakness: a triangle in many cells is tested in each of them; cells
-// bound closest points worse than boxes.
+// build_triangles.hpp). Cost: O(n log n) to build, O(log n) expected per query; bytes, for float: 40 a
+// reference and 16 a node, some 50 to 120 a triangle. Known weakness: a triangle in many cells is kept and
+// tested in each of them; cells bound closest points worse than boxes.
+// Measured on one core in one run over 1e5 triangles, rays per second over the binary hierarchy's with the
+// same leaf test: icosphere 0.9 to 1.2, forest 1.2 to 1.5, terrain 1.1 to 1.4, architecture 3.6 to 6.6.
 #pragma once
 
 #include "accel/kd_tree/build_triangles.hpp"
-#include "accel/leaf_order.hpp"
 #include "accel/slice.hpp"
 #include "accel/triangle_queries.hpp"
 
@@ -45,27 +46,25 @@ class KdTree<Triangles<T, RayTest>>
   void approach(ClosestQuery<T>& query, W& work) const;
 
   std::vector<Node> nodes_;
-  std::vector<std::uint32_t> references_;
-  std::vector<StoredTriangle<T>> triangles_;
+  TriangleLeaves<T> triangles_;
 };
 
 template <class T, class RayTest>
 KdTree<Triangles<T, RayTest>>::KdTree(TriangleSet<T>&& set, const Options& options) : Base(set) {
   KdTriangleBuilder<T> built(set, options);
   nodes_ = std::move(built.nodes);
-  references_ = std::move(built.references);
-  triangles_ = std::move(set.items);
-  put_in_leaf_order(triangles_, references_);
+  triangles_ = TriangleLeaves<T>(built.references.size());
+  for (const Node& node : nodes_)
+    if (node.leaf())
+      triangles_.put(node.link, set.items, std::span(built.references).subspan(node.link, node.count));
   TreeStats& s = this->stats_;
-  s.references = references_.size();
+  s.references = triangles_.size();
   s.leaves = built.leaves;
   s.inner_nodes = nodes_.size() - built.leaves;
   s.depth = built.depth;
   s.largest_leaf = built.largest_leaf;
   s.sah_cost = built.cost;
-  s.bytes = sizeof(*this) + nodes_.capacity() * sizeof(Node) +
-            references_.capacity() * sizeof(std::uint32_t) +
-            triangles_.capacity() * sizeof(StoredTriangle<T>);
+  s.bytes = sizeof(*this) + nodes_.capacity() * sizeof(Node) + triangles_.bytes();
 }
 
 template <class T, class RayTest>
@@ -79,29 +78,27 @@ void KdTree<Triangles<T, RayTest>>::trace(RayQuery<Primitives>& query, W& work) 
   int height = 0;
   const PaddedRay<T> ray = query.padded();  // a copy: known not to change under calls
   T t0 = query.ray().t_min, t1 = query.limit();
-  if (!ray.clip(this->bounds_, t0, t1)) return;
+  if (!ray.clip(widened(this->bounds_, reach_of(this->centre_, this->bounds_)), t0, t1)) return;
   std::uint32_t at = 0;
   for (;;) {
     const Node& node = nodes_[at];
     if (!node.leaf()) {
       work.node();
       const int axis = static_cast<int>(node.axis);
-      const T leave = ray.exit(axis, node.offset), enter = ray.enter(axis, node.offset);
+      const std::size_t near = ray.backward(axis);
+      const T leave = ray.exit(axis, node.border[near]), enter = ray.enter(axis, node.border[1 - near]);
       const T near_t1 = leave < t1 ? leave : t1, far_t0 = enter > t0 ? enter : t0;  // NaN: no bound
       const std::uint32_t side[2] = {at + 1, node.link};
-      const std::size_t near = ray.backward(axis);
-      if (t0 <= near_t1) {
-        if (far_t0 <= t1) stack[height++] = {side[1 - near], far_t0, t1};
-        at = side[near], t1 = near_t1;
-        continue;
-      }
-      if (far_t0 <= t1) {
-        at = side[1 - near], t0 = far_t0;
-        continue;
-      }
+      // Without branches: which of the two a ray visits is as good as random.
+      const bool visits_near = t0 <= near_t1, visits_far = far_t0 <= t1;
+      stack[height] = {side[1 - near], far_t0, t1};
+      height += visits_near && visits_far;
+      at = side[visits_near ? near : 1 - near];
+      t1 = visits_near ? near_t1 : t1, t0 = visits_near ? t0 : far_t0;
+      if (visits_near || visits_far) continue;
     } else if (node.count > 0) {
       work.primitive(node.count);
-      if (query.template test<any>(triangles_.data(), references_.data() + node.link, node.count)) return;
+      if (query.template test<any>(triangles_, node.link, node.count)) return;
     }
     do {
       if (height == 0) return;
@@ -123,25 +120,27 @@ void KdTree<Triangles<T, RayTest>>::approach(ClosestQuery<T>& query, W& work) co
   const geometry::Vec<T, 3>& p = query.point();
   const T slack = query.slack();
   Waiting now{0, {}};
+  const auto box = widened(this->bounds_, reach_of(this->centre_, this->bounds_));
   for (int k = 0; k < 3; ++k)
-    now.gap[k] = std::max({this->bounds_.low[k] - p[k] - slack, p[k] - this->bounds_.high[k] - slack, T(0)});
+    now.gap[k] = std::max({box.low[k] - p[k] - slack, p[k] - box.high[k] - slack, T(0)});
   for (;;) {
     while (!query.prunes(length2(now.gap))) {
       const Node& node = nodes_[now.node];
       if (node.leaf()) {
         work.primitive(node.count);
-        query.test(triangles_.data(), references_.data() + node.link, node.count);
+        query.test(triangles_, node.link, node.count);
         break;
       }
       work.node();
-      const T beyond = p[static_cast<int>(node.axis)] - node.offset;
+      const int axis = static_cast<int>(node.axis);
+      const T beyond[2] = {p[axis] - node.border[0], node.border[1] - p[axis]};  // of either child
       const std::uint32_t side[2] = {now.node + 1, node.link};
+      const std::size_t near = beyond[1] < beyond[0];
       Waiting far = now;
-      far.node = side[beyond < T(0)];
-      T& gap = far.gap[static_cast<int>(node.axis)];
-      gap = std::max(gap, std::abs(beyond) - slack);
+      far.node = side[1 - near];
+      far.gap[axis] = std::max(far.gap[axis], beyond[1 - near] - slack);
       if (!query.prunes(length2(far.gap))) stack[height++] = far;
-      now.node = side[!(beyond < T(0))];
+      now.node = side[near];
     }
     if (height == 0) return;
     now = stack[--height];
@@ -171,7 +170,7 @@ std::vector<SliceCell> KdTree<Triangles<T, RayTest>>::slice(int axis, double off
     }
     Open below{now.node + 1, now.cell, now.depth + 1}, above{node.link, now.cell, now.depth + 1};
     const int k = static_cast<int>(node.axis);
-    below.cell.high[k] = above.cell.low[k] = node.offset;
+    below.cell.high[k] = above.cell.low[k] = node.border[0] / 2 + node.border[1] / 2;
     open.push_back(below), open.push_back(above);
   }
   return scaled(std::move(cells), static_cast<double>(this->scale_.inverse()));

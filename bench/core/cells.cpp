@@ -57,6 +57,7 @@ std::vector<Cell> cells_of(const Task& task, const BlockFacts& facts, int thread
   for (std::size_t m = 0; m < methods.size(); ++m) {
     if (facts.spec.scaling && !methods[m].scales) continue;
     for (std::size_t b = 0; b < methods[m].build_knobs.size(); ++b) {
+      if (methods[m].hard_cases_only && !facts.spec.hard) break;
       const bool beyond_sweep = b > 0 && facts.n > methods[m].sweep_up_to_n;
       if (beyond_sweep && !facts.spec.hard) break;
       if (facts.quick && b >= methods[m].quick_builds) break;

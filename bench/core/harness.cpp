@@ -62,7 +62,7 @@ std::vector<Row> Harness::run(const BlockFacts& facts, Block& block, Progress& p
       return;
     }
     if (cell.row.status == Status::not_built) return finish(cell.row);
-    const std::size_t largest = task_.methods()[cell.method].largest_n;
+    const std::size_t largest = task_.methods()[cell.method].largest(facts.quick);
     if (facts.n > largest) {
       cell.row.status = Status::unsupported;
       cell.row.reason = fmt::format("not run above n = {}", largest);

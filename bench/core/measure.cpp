@@ -71,6 +71,7 @@ double run_and_check(Block& block, Subject& subject, Cell& cell) {
   Row& row = cell.row;
   double seconds = 0;
   try {
+    subject.prepare(cell.query_set, row.threads);
     const Stopwatch watch;
     subject.run(cell.query_set, row.query_knobs, row.threads);
     seconds = watch.seconds();

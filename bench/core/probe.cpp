@@ -13,7 +13,7 @@ std::vector<Cell> cells_to_try(const Task& task, const BlockFacts& facts, const 
   std::vector<Cell> out;
   for (Cell& cell : cells_of(task, facts, chosen.threads)) {
     const MethodInfo& method = task.methods()[cell.method];
-    if (method.source != Source::peer || facts.n > method.largest_n) continue;
+    if (method.source != Source::peer || facts.n > method.largest(facts.quick)) continue;
     if (!chosen.filter.matches(cell.name) || !has_set(chosen.sets, cell.row.query_set)) continue;
     if (!chosen.finished.finished(cell.row)) out.push_back(std::move(cell));
   }
@@ -32,6 +32,7 @@ void try_build(Block& block, const Cell* first, const Cell* last, const Send& se
   for (const Cell* cell = first; cell != last; ++cell) {
     send("cell " + cell->row.query_set + " " + format_knobs(cell->row.query_knobs));
     try {
+      subject->prepare(cell->query_set, cell->row.threads);
       subject->run(cell->query_set, cell->row.query_knobs, cell->row.threads);
     } catch (...) {
     }

@@ -231,12 +231,14 @@ int Program::run_advice() {
   return all_met ? ended : exit_failed;
 }
 
-/// One block a dataset is enough for pictures: its smallest.
+/// One block a dataset is enough for pictures: its smallest that has something to show.
 void Program::write_pictures() {
+  constexpr std::size_t telling_n = 10'000;
   std::map<std::string, BlockSpec> smallest;
   for (const BlockSpec& spec : blocks()) {
     const auto [at, is_new] = smallest.try_emplace(spec.dataset, spec);
-    if (!is_new && spec.n < at->second.n) at->second = spec;
+    const auto rank = [](std::size_t n) { return std::pair(n < telling_n, n); };
+    if (!is_new && rank(spec.n) < rank(at->second.n)) at->second = spec;
   }
   std::error_code error;
   std::filesystem::create_directories(options_.pictures, error);

@@ -6,6 +6,7 @@
 // off.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@ enum class Profile { smoke, quick, full };
 class Subject {
  public:
   virtual ~Subject() = default;
+  /// Brings the subject into the state that the query set is asked in, where that is not how it was built.
+  /// Called before the first run() of each query set; not timed. Throws as run() does.
+  virtual void prepare(std::size_t query_set, int threads) { (void)query_set, (void)threads; }
   /// Answers the whole query set; the only timed part of a query. Answers stay in buffers of the subject.
   /// Throws Unsupported where the method has no such query, any other std::exception to refuse.
   virtual void run(std::size_t query_set, const Knobs& query_knobs, int threads) = 0;
@@ -46,10 +50,14 @@ struct MethodInfo {
   std::vector<Knobs> query_knobs{Knobs::object()};  // swept on one build
   std::vector<std::size_t> stress_builds{0};        // which of build_knobs face the hard cases
   int ladder = 0;  // order from the least model to the richest, for advice at equal cost
-  std::size_t sweep_up_to_n = SIZE_MAX;  // above, only the first of build_knobs
-  std::size_t quick_builds = SIZE_MAX;   // so many of build_knobs, the best first, in the quick profile
-  std::size_t largest_n = SIZE_MAX;      // not run above (brute force); the row says `unsupported`
-  bool scales = true;                    // measured at several thread counts, too
+  std::size_t sweep_up_to_n = SIZE_MAX;    // above, only the first of build_knobs
+  std::size_t quick_builds = SIZE_MAX;     // so many of build_knobs, the best first, in the quick profile
+  std::size_t largest_n = SIZE_MAX;        // not run above (brute force); the row says `unsupported`
+  std::size_t quick_largest_n = SIZE_MAX;  // the same where time is short
+  bool scales = true;                      // measured at several thread counts, too
+  bool hard_cases_only = false;            // an experiment on some of them: nothing to offer anywhere else
+
+  std::size_t largest(bool quick) const { return quick ? std::min(largest_n, quick_largest_n) : largest_n; }
 };
 
 struct QuerySet {

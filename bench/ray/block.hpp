@@ -16,9 +16,12 @@ namespace treeline::bench::ray {
 
 struct BlockInput {
   geometry::Mesh3f mesh;
+  std::vector<geometry::Mesh3f> moved;  // frames 1, 2, …: the same faces with other vertices
   std::vector<RaySet> sets;
   std::uint64_t seed = 0, dataset_hash = 0;
-  bool from_inside = false;       // closed, and every ray starts inside: a miss is a leak
+  bool closed = false;            // a ray that passes through a surface is a leak
+  bool from_inside = false;       // closed, and every ray starts inside: each that meets nothing is a leak
+  bool quick = false;             // time is short
   std::size_t judged = SIZE_MAX;  // at most so many rays a set are judged, evenly spread
   int threads = 1;                // for the truth; 1 starts no thread pool
   std::string truth_cache;
@@ -33,9 +36,12 @@ class RayBlock final : public Block {
   std::unique_ptr<Subject> build(std::size_t m, const Knobs& build_knobs, int threads) override;
   Errors check(std::size_t m, const Subject& subject, std::size_t query_set,
                const Knobs& query_knobs) override;
-  std::size_t n() const override { return input_.mesh.size(); }
+  std::size_t n() const override { return frames_.front().size(); }
   std::uint64_t seed() const override { return input_.seed; }
   std::uint64_t dataset_hash() const override { return input_.dataset_hash; }
+  bool quick() const override { return input_.quick; }
+  /// Finds the truth of all sets now, for many who will need it.
+  void find_truth();
 
  private:
   struct Truth {
@@ -44,7 +50,8 @@ class RayBlock final : public Block {
   };
   const Truth& truth_of(std::size_t query_set);
 
-  BlockInput input_;
+  BlockInput input_;                      // without its meshes
+  std::vector<geometry::Mesh3f> frames_;  // the mesh, and what it moves to
   const std::vector<Method>& methods_;
   std::vector<QuerySet> query_sets_;
   std::vector<std::optional<Truth>> truths_;

@@ -7,7 +7,7 @@ namespace treeline::bench::ray {
 namespace {
 
 const bool registered =
-    register_tree<accel::BruteForce>({.name = "brute", .family = "brute", .ladder = 0, .largest_n = 20'000});
+    register_tree<accel::BruteForce>({.name = "brute", .family = "brute", .ladder = 0, .largest_n = 5'000});
 
 }  // namespace
 }  // namespace treeline::bench::ray

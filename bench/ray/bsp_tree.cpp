@@ -6,7 +6,7 @@
 namespace treeline::bench::ray {
 namespace {
 
-const bool registered = register_tree<accel::BspTree>(
+const bool registered = register_tree<accel::BspTree, sizeof(accel::BspTriangleNode<float>)>(
     {.name = "bsp_tree",
      .family = "bsp",
      .build_knobs = leaf_size_knobs({8}),

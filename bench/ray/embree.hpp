@@ -6,6 +6,9 @@
 // on
 //   others simd256 is the default already, and without AVX2 the setting is left away.
 // - FTZ and DAZ are set in the calling threads while they cast rays, and put back afterwards.
+// - quality=refit is Embree's own for geometry that moves: a scene marked as dynamic, in which a commit after
+// new
+//   vertices refits the tree instead of building it.
 // - Triangles that are not finite are filtered by Embree itself; ids stay those of the faces.
 #pragma once
 
@@ -38,7 +41,7 @@ class FlushDenormals {
 
 class EmbreeScene {
  public:
-  /// Knobs: quality (low, medium, high) and robust (true, false).
+  /// Knobs: quality (low, medium, high, refit), robust and compact (true, false).
   EmbreeScene(const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) {
     std::string config = "threads=" + std::to_string(threads) + ",set_affinity=0";
     if (__builtin_cpu_supports("avx2")) config += ",frequency_level=simd256";
@@ -48,10 +51,18 @@ class EmbreeScene {
     device_ = rtcNewDevice(config.c_str());
     if (!device_) throw std::runtime_error("Embree gave no device");
     scene_ = rtcNewScene(device_);
-    rtcSetSceneBuildQuality(scene_, quality_of(knobs.at("quality").get<std::string>()));
-    rtcSetSceneFlags(scene_, knobs.value("robust", false) ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+    const auto quality = knobs.at("quality").get<std::string>();
+    refits_ = quality == "refit";
+    // Only scenes of low quality keep a tree for each geometry, and only such a tree is refitted (measured:
+    // in others every commit builds anew). The tree itself is one of medium quality.
+    rtcSetSceneBuildQuality(scene_, refits_ ? RTC_BUILD_QUALITY_LOW : quality_of(quality));
+    unsigned flags = RTC_SCENE_FLAG_NONE;
+    if (knobs.value("robust", false)) flags |= RTC_SCENE_FLAG_ROBUST;
+    if (knobs.value("compact", false)) flags |= RTC_SCENE_FLAG_COMPACT;
+    if (refits_) flags |= RTC_SCENE_FLAG_DYNAMIC;
+    rtcSetSceneFlags(scene_, static_cast<RTCSceneFlags>(flags));
     const RTCGeometry triangles = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetGeometryBuildQuality(triangles, quality_of(knobs.at("quality").get<std::string>()));
+    rtcSetGeometryBuildQuality(triangles, quality_of(quality));
     if (void* vertices = rtcSetNewGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                  sizeof(geometry::Vec3f), mesh.vertices.size());
         vertices && !mesh.vertices.empty())
@@ -61,7 +72,7 @@ class EmbreeScene {
         faces && !mesh.faces.empty())
       std::memcpy(faces, mesh.faces.data(), mesh.faces.size() * sizeof(geometry::Mesh3f::Face));
     rtcCommitGeometry(triangles);
-    rtcAttachGeometry(scene_, triangles);
+    geometry_id_ = rtcAttachGeometry(scene_, triangles);
     rtcReleaseGeometry(triangles);
     rtcCommitScene(scene_);
     if (const RTCError error = rtcGetDeviceError(device_); error != RTC_ERROR_NONE) {
@@ -73,6 +84,19 @@ class EmbreeScene {
   EmbreeScene(const EmbreeScene&) = delete;
   EmbreeScene& operator=(const EmbreeScene&) = delete;
 
+  /// False where the scene was not built to be refitted.
+  bool refit(const geometry::Mesh3f& mesh) {
+    if (!refits_) return false;
+    const RTCGeometry triangles = rtcGetGeometry(scene_, geometry_id_);
+    if (void* vertices = rtcGetGeometryBufferData(triangles, RTC_BUFFER_TYPE_VERTEX, 0);
+        vertices && !mesh.vertices.empty())
+      std::memcpy(vertices, mesh.vertices.data(), mesh.vertices.size() * sizeof(geometry::Vec3f));
+    rtcUpdateGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(triangles);
+    rtcCommitScene(scene_);
+    return true;
+  }
+
   RTCScene scene() const { return scene_; }
   RTCDevice device() const { return device_; }
 
@@ -81,12 +105,15 @@ class EmbreeScene {
     if (name == "low") return RTC_BUILD_QUALITY_LOW;
     if (name == "medium") return RTC_BUILD_QUALITY_MEDIUM;
     if (name == "high") return RTC_BUILD_QUALITY_HIGH;
-    throw std::invalid_argument("knob quality is '" + name + "'; it must be low, medium or high");
+    if (name == "refit") return RTC_BUILD_QUALITY_REFIT;
+    throw std::invalid_argument("knob quality is '" + name + "'; it must be low, medium, high or refit");
   }
   void release() { rtcReleaseScene(scene_), rtcReleaseDevice(device_); }
 
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
+  unsigned geometry_id_ = 0;
+  bool refits_ = false;
 };
 
 /// The per-call argument that tells Embree whether rays are coherent.
@@ -123,15 +150,23 @@ class EmbreeCall {
 #endif
 };
 
-/// Quality × robust. High with robust is left out: robust silently drops the spatial splits that make it
-/// high.
-inline std::vector<Knobs> embree_builds(bool with_robust) {
+/// Every build that rays may be asked of, the best first. High with robust is left out: robust silently drops
+/// the spatial splits that make it high.
+inline std::vector<Knobs> embree_builds() {
   std::vector<Knobs> all;
-  for (const char* quality : {"medium", "low", "high"})
+  const auto add = [&](const char* quality, bool robust) -> Knobs& {
+    return all.emplace_back(Knobs{{"quality", quality}, {"robust", robust}});
+  };
+  add("medium", false), add("high", false), add("medium", true), add("refit", false), add("low", false);
+  add("low", true), add("medium", false)["compact"] = true;
+  return all;
+}
+
+/// Those for packets, whose speed is what they are about.
+inline std::vector<Knobs> embree_packet_builds() {
+  std::vector<Knobs> all;
+  for (const char* quality : {"medium", "high", "low"})
     all.push_back(Knobs{{"quality", quality}, {"robust", false}});
-  if (with_robust)
-    for (const char* quality : {"medium", "low"})
-      all.push_back(Knobs{{"quality", quality}, {"robust", true}});
   return all;
 }
 

@@ -95,9 +95,10 @@ bool register_embree_packet() {
                 .source = Source::peer,
                 .claim = Claim::approximate,  // as embree_single.cpp says
                 .peer_version = embree_version(),
-                .build_knobs = embree_builds(false),
+                .build_knobs = embree_packet_builds(),
                 .query_knobs = {Knobs{{"coherent", true}}, Knobs{{"coherent", false}}},
-                .ladder = 41},
+                .ladder = 41,
+                .quick_builds = 1},
        .build = [](const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) -> std::unique_ptr<Index> {
          return std::make_unique<EmbreePacket<N>>(mesh, knobs, threads);
        }});

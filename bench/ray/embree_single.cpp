@@ -52,6 +52,7 @@ class EmbreeSingle final : public Index {
       }
     });
   }
+  bool refit(const geometry::Mesh3f& mesh) override { return scene_.refit(mesh); }
 
  private:
   EmbreeScene scene_;
@@ -63,9 +64,10 @@ const bool registered = Registry<Method>::instance().add(
               .source = Source::peer,
               .claim = Claim::approximate,
               .peer_version = embree_version(),
-              .build_knobs = embree_builds(true),
-              .stress_builds = {0, 3},  // medium, fast and robust
-              .ladder = 40},
+              .build_knobs = embree_builds(),
+              .stress_builds = {0, 2},  // medium, fast and robust
+              .ladder = 40,
+              .quick_builds = 4},
      .build = [](const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) -> std::unique_ptr<Index> {
        return std::make_unique<EmbreeSingle>(mesh, knobs, threads);
      }});

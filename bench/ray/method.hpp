@@ -31,6 +31,14 @@ class Index {
   virtual std::optional<std::pair<double, double>> work(std::span<const geometry::Rayf>, bool /*any*/) const {
     return std::nullopt;
   }
+  /// Nodes and primitives that each of these rays touches, for pictures; empty where they cannot be counted.
+  virtual std::vector<accel::Work> work_of_each(std::span<const geometry::Rayf>) const { return {}; }
+  /// The same faces with moved vertices: updates what bounds them and keeps the structure, at a cost in
+  /// proportion to its size. The mesh has as many vertices and the same faces as the one built over.
+  /// False, with nothing done, where the method has no such thing.
+  virtual bool refit(const geometry::Mesh3f&) { return false; }
+  /// What the structure tells of itself, as fields of the row: ray_references, ray_depth, …
+  virtual Knobs facts() const { return Knobs::object(); }
   /// Cells cut by a plane, for pictures; empty if the method has none to show.
   virtual std::vector<accel::SliceCell> slice(int /*axis*/, double /*offset*/) const { return {}; }
 };

@@ -1,5 +1,7 @@
 #include "bench/ray/pictures.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -11,6 +13,7 @@
 #include "bench/ray/png.hpp"
 #include "bench/ray/queries.hpp"
 #include "bench/ray/slice_svg.hpp"
+#include "bench/ray/work_picture.hpp"
 #include "geometry/tolerances.hpp"
 
 namespace treeline::bench::ray {
@@ -22,7 +25,8 @@ using shading::Image;
 
 constexpr int width = 480, height = 360;
 constexpr std::array<double, 3> background{0.10, 0.11, 0.13};
-constexpr std::array<double, 3> false_colour{1.0, 0.0, 0.9}, borderline_colour{1.0, 0.75, 0.0};
+constexpr std::array<double, 3> false_colour{1.0, 0.0, 0.9}, borderline_colour{1.0, 0.75, 0.0},
+    aimed_colour{0.1, 0.55, 0.3};
 
 /// The folder's index, one object a picture.
 class Gallery {
@@ -68,14 +72,8 @@ struct View {
   std::vector<TrueHit> truth;
 };
 
-/// The truth of a picture has too many rays for brute force: a tree over doubles answers, and brute force
-/// must agree with it on a sample of pixels.
-View look_at(const geometry::Mesh3f& mesh, int threads) {
-  View view{mesh, {}, {}};
-  const Camera camera = frame(mesh, double(width) / height);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) view.rays.push_back(camera.ray((x + 0.5) / width, (y + 0.5) / height));
-
+/// Hits of a tree over doubles.
+std::vector<TrueHit> exact_by_tree(const geometry::Mesh3f& mesh, std::span<const Rayf> rays_in, int threads) {
   geometry::Mesh3d wide;
   wide.faces = mesh.faces;
   for (const auto& v : mesh.vertices) wide.vertices.push_back(Vec3d(v));
@@ -84,11 +82,23 @@ View look_at(const geometry::Mesh3f& mesh, int threads) {
   options.non_finite = accel::NonFinite::drop;
   const Tree tree(wide, options);
   std::vector<geometry::Rayd> rays;
-  for (const Rayf& r : view.rays) rays.push_back({Vec3d(r.origin), Vec3d(r.direction)});
+  for (const Rayf& r : rays_in) rays.push_back({Vec3d(r.origin), Vec3d(r.direction)});
   std::vector<accel::Hit<double>> hits(rays.size());
   tree.closest_hit(rays, hits, threads);
-  for (const auto& hit : hits) view.truth.push_back({hit.t, hit.primitive});
+  std::vector<TrueHit> truth;
+  for (const auto& hit : hits) truth.push_back({hit.t, hit.primitive});
+  return truth;
+}
 
+/// The truth of a picture has too many rays for brute force: a tree over doubles answers, and brute force
+/// must agree with it on a sample of pixels.
+View look_at(const geometry::Mesh3f& mesh, int threads) {
+  View view{mesh, {}, {}};
+  const Camera camera = frame(mesh, double(width) / height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) view.rays.push_back(camera.ray((x + 0.5) / width, (y + 0.5) / height));
+
+  view.truth = exact_by_tree(mesh, view.rays, threads);
   const std::size_t samples =
       std::clamp<std::size_t>(50'000'000 / std::max<std::size_t>(mesh.size(), 1), 16, 512);
   std::vector<Rayf> sample;
@@ -206,6 +216,119 @@ void draw_disagreement(const Group& group, const std::vector<Method>& methods, c
                   names, "disagreement");
 }
 
+/// What each pixel costs our scalar trees, in the order KD, BSP, BVH, side by side in one scale.
+void draw_work(const std::vector<Method>& methods, const View& view, const std::string& of, int threads,
+               Gallery& gallery) {
+  std::vector<std::vector<accel::Work>> work;
+  std::string names, means;
+  for (const char* name : {"kd_tree", "bsp_tree", "bvh", "bvh_wide"}) {
+    const auto method = std::ranges::find(methods, name, [](const Method& m) { return m.info.name; });
+    if (method == methods.end() || view.mesh.size() > method->info.largest_n) continue;
+    const auto index = method->build(view.mesh, method->info.build_knobs.front(), threads);
+    auto found = index->work_of_each(view.rays);
+    if (found.empty()) continue;
+    double nodes = 0, triangles = 0;
+    for (const accel::Work& w : found)
+      nodes += static_cast<double>(w.nodes), triangles += static_cast<double>(w.primitives);
+    const auto mean = [&](double sum) {
+      return fmt::format("{:.1f}", sum / static_cast<double>(found.size()));
+    };
+    names += (names.empty() ? "" : ", ") + method->info.name;
+    means += (means.empty() ? "" : "; ") + method->info.name + " " + mean(nodes) + " nodes and " +
+             mean(triangles) + " triangles";
+    work.push_back(std::move(found));
+  }
+  if (work.empty()) return;
+  const double most = common_scale(work);
+  std::vector<Image> panels;
+  for (const auto& w : work) panels.push_back(heat_map(w, width, height, most));
+  gallery.add_png("work", beside(panels, static_cast<int>(panels.size())),
+                  of + ": nodes and triangles that each pixel's ray visits, black none, white " +
+                      fmt::format("{:.0f}", most) + " and more; from left to right, on average: " + means,
+                  names, "work");
+}
+
+/// Vertices and points of edges of the faces that the camera sees, and the rays to them, as exactly as float
+/// can aim.
+struct Aims {
+  std::vector<Rayf> rays;
+  std::vector<std::size_t> pixels;
+};
+constexpr std::size_t most_aims = 6000;
+
+Aims aim_at_edges(const View& view) {
+  std::vector<accel::Id> faces;
+  for (const TrueHit& hit : view.truth)
+    if (hit) faces.push_back(hit.primitive);
+  std::ranges::sort(faces);
+  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  const Camera camera = frame(view.mesh, double(width) / height);
+  const Vec3d eye(geometry::Vec3f(camera.origin));
+  Aims aims;
+  const std::size_t step = faces.size() * 6 / most_aims + 1;
+  for (std::size_t f = 0; f < faces.size(); f += step) {
+    const geometry::Triangle3d t(view.mesh.triangle(faces[f]));
+    for (const Vec3d& target :
+         {t.a, t.b, t.c, (t.a + t.b) * 0.5, t.b * 0.3 + t.c * 0.7, t.c * 0.6 + t.a * 0.4}) {
+      const Vec3d way = target - eye;
+      const double depth = geometry::dot(way, camera.forward);
+      const double x = 0.5 + 0.5 * geometry::dot(way, camera.right) / depth / camera.half_width;
+      const double y = 0.5 - 0.5 * geometry::dot(way, camera.up) / depth / camera.half_height;
+      if (!(x >= 0 && x < 1 && y >= 0 && y < 1)) continue;
+      aims.rays.push_back({geometry::Vec3f(camera.origin), geometry::Vec3f(way)});
+      aims.pixels.push_back(static_cast<std::size_t>(y * height) * width +
+                            static_cast<std::size_t>(x * width));
+    }
+  }
+  return aims;
+}
+
+/// Where rays aimed at edges and vertices of a closed mesh pass through it, one panel a method and build.
+void draw_leaks(const std::vector<Method>& methods, const View& view, const std::string& of, int threads,
+                Gallery& gallery) {
+  struct Panel {
+    const char *method, *words;
+    Knobs knobs;  // of the build; empty: the first
+  };
+  const std::array<Panel, 4> wanted{
+      {{"bvh", "bvh", {}},
+       {"bvh_fast", "bvh_fast", {}},
+       {"embree_single", "Embree", {{"quality", "medium"}, {"robust", false}}},
+       {"embree_single", "Embree, robust", {{"quality", "medium"}, {"robust", true}}}}};
+  const Aims aims = aim_at_edges(view);
+  if (aims.rays.empty()) return;
+  const auto truth = exact_by_tree(view.mesh, aims.rays, threads);
+  Judge judge(view.mesh, geometry::tolerance::unit_roundoff<float>);
+  std::vector<Image> panels;
+  std::string names, counts;
+  for (const Panel& panel : wanted) {
+    const auto method = std::ranges::find(methods, panel.method, [](const Method& m) { return m.info.name; });
+    if (method == methods.end()) continue;
+    std::vector<RayAnswer> answers(aims.rays.size());
+    method->build(view.mesh, panel.knobs.empty() ? method->info.build_knobs.front() : panel.knobs, threads)
+        ->closest(aims.rays, answers, method->info.query_knobs.front(), threads);
+    Image image = normals(view, true);
+    std::vector<std::size_t> leaks;
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      const bool leaked = judge.closest(i, aims.rays[i], truth[i], answers[i]).verdict == Verdict::false_miss;
+      if (leaked)
+        leaks.push_back(aims.pixels[i]);
+      else
+        set(image, aims.pixels[i], aimed_colour);
+    }
+    for (const std::size_t pixel : leaks) mark(image, pixel, false_colour);
+    panels.push_back(std::move(image));
+    names += (names.empty() ? "" : ", ") + std::string(panel.words);
+    counts += (counts.empty() ? "" : "; ") + std::string(panel.words) + " " + std::to_string(leaks.size());
+  }
+  if (panels.empty()) return;
+  gallery.add_png(
+      "leaks", beside(panels, 2),
+      of + ": " + std::to_string(aims.rays.size()) +
+          " rays aimed at edges and vertices (green), and where they leak (magenta); row by row: " + counts,
+      names, "leaks");
+}
+
 /// Trees of a few thousand triangles have cells that can be told apart.
 constexpr std::size_t largest_sliced = 3000;
 
@@ -215,6 +338,7 @@ void draw_slices(const std::vector<Method>& methods, const BlockSpec& spec, cons
   const auto box = dataset.mesh.box();
   for (const Method& method : methods) {
     if (method.info.source != Source::ours || method.info.family == "brute") continue;
+    if (method.info.hard_cases_only) continue;
     if (method.info.claim == Claim::approximate) continue;  // the same tree with another test at its leaves
     const auto index = method.build(dataset.mesh, method.info.build_knobs.front(), context.threads);
     const auto cells = index->slice(1, double(box.centre()[1]));
@@ -241,6 +365,8 @@ void draw_pictures(const std::vector<Method>& methods, const BlockSpec& spec, co
   gallery.add_png("normals", normals(view, false), of + ": normals", "bvh", "normals");
   gallery.add_png("depth", depths(view), of + ": depth, near is light", "bvh", "depth");
   for (const Group& group : groups) draw_disagreement(group, methods, view, of, context.threads, gallery);
+  draw_work(methods, view, of, context.threads, gallery);
+  if (dataset.closed) draw_leaks(methods, view, of, context.threads, gallery);
   draw_slices(methods, spec, context, gallery);
 }
 

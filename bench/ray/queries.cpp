@@ -4,9 +4,11 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <numeric>
 
 #include "accel/bvh.hpp"
 #include "bench/ray/edge_rays.hpp"
+#include "bench/ray/stray_rays.hpp"
 #include "geometry/random.hpp"
 #include "geometry/sampling.hpp"
 #include "geometry/tolerances.hpp"
@@ -22,33 +24,6 @@ using geometry::Vec3f;
 
 bool has_area(const Triangle3d& t) {
   return geometry::is_finite(t) && geometry::length2(t.area_normal()) > 0;
-}
-
-/// The box from the 1 % to the 99 % quantile of the triangles' corners, a hundredth wider: one stray triangle
-/// far away must not shrink the mesh to a dot.
-geometry::Box3d robust_box(const Mesh3f& mesh) {
-  std::array<std::vector<double>, 3> sorted;
-  for (const auto& face : mesh.faces)
-    for (const auto v : face)
-      if (geometry::is_finite(mesh.vertices[v]))
-        for (int axis = 0; axis < 3; ++axis)
-          sorted[static_cast<std::size_t>(axis)].push_back(double(mesh.vertices[v][axis]));
-  const std::size_t n = sorted[0].size();
-  if (n == 0) return {{-1, -1, -1}, {1, 1, 1}};
-  geometry::Box3d box;
-  Vec3d low, high;
-  for (int axis = 0; axis < 3; ++axis) {
-    auto& x = sorted[static_cast<std::size_t>(axis)];
-    const auto at = [&](std::size_t rank) {
-      std::nth_element(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(rank), x.end());
-      return x[rank];
-    };
-    low[axis] = at(n / 100), high[axis] = at(n - 1 - n / 100);
-    const double margin = 0.01 * (high[axis] - low[axis]);
-    low[axis] -= margin, high[axis] += margin;
-  }
-  box.grow(low), box.grow(high);
-  return box;
 }
 
 double size_of(const Triangle3d& t) {
@@ -78,20 +53,6 @@ std::uint64_t picture_order(const Camera& camera, const Rayf& ray) {
   for (int bit = 0; bit < 16; ++bit)
     order |= ((x >> bit) & 1) << (2 * bit) | ((y >> bit) & 1) << (2 * bit + 1);
   return order;
-}
-
-std::vector<Rayf> camera_rays(const Camera& camera, std::size_t count, std::uint64_t seed) {
-  const auto side = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(count)));
-  const std::uint64_t square = std::bit_ceil(side);
-  std::vector<Rayf> rays;
-  for (std::uint64_t i = 0; i < square * square; ++i) {
-    const auto [x, y] = morton(i);
-    if (x >= side || y >= side) continue;
-    const double jitter_x = geometry::uniform_at(seed, 2 * i),
-                 jitter_y = geometry::uniform_at(seed, 2 * i + 1);
-    rays.push_back(camera.ray((x + jitter_x) / side, (y + jitter_y) / side));
-  }
-  return rays;
 }
 
 using Tree = accel::Bvh<accel::Triangles<float>>;
@@ -132,7 +93,7 @@ struct Seen {
   double offset = 0;
 };
 
-/// What the camera's rays meet; in place of one that meets nothing, what an aimed one meets.
+/// What the rays meet; in place of one that meets nothing, what an aimed one meets.
 std::vector<Seen> seen_by(const Mesh3f& mesh, const Tree& tree, const Camera& camera,
                           std::span<const Rayf> rays, std::uint64_t seed, int threads) {
   std::vector<accel::Hit<float>> hits(rays.size());
@@ -167,9 +128,6 @@ std::vector<Rayf> diffuse_rays(std::span<const Seen> seen, std::uint64_t seed) {
     const Vec3d direction = geometry::Frame<double>(seen[i].normal)(local);
     rays.push_back({Vec3f(seen[i].point + seen[i].normal * seen[i].offset), Vec3f(direction)});
   }
-  geometry::Pcg32 random(seed, 2);
-  for (std::size_t i = rays.size(); i > 1; --i)
-    std::swap(rays[i - 1], rays[random.below(static_cast<std::uint32_t>(i))]);
   return rays;
 }
 
@@ -189,11 +147,65 @@ std::vector<Rayf> shadow_rays(std::span<const Seen> seen, const geometry::Box3d&
   return rays;
 }
 
+/// A random order, as the place of each of `size` things.
+std::vector<std::uint32_t> shuffle(std::size_t size, geometry::Pcg32& random) {
+  std::vector<std::uint32_t> place(size);
+  std::iota(place.begin(), place.end(), 0u);
+  for (std::size_t i = size; i > 1; --i)
+    std::swap(place[i - 1], place[random.below(static_cast<std::uint32_t>(i))]);
+  return place;
+}
+
+std::vector<Rayf> placed(std::span<const Rayf> rays, std::span<const std::uint32_t> place) {
+  std::vector<Rayf> out(rays.size());
+  for (std::size_t i = 0; i < rays.size(); ++i) out[place[i]] = rays[i];
+  return out;
+}
+
 }  // namespace
+
+geometry::Box3d robust_box(const Mesh3f& mesh) {
+  std::array<std::vector<double>, 3> sorted;
+  for (const auto& face : mesh.faces)
+    for (const auto v : face)
+      if (geometry::is_finite(mesh.vertices[v]))
+        for (int axis = 0; axis < 3; ++axis)
+          sorted[static_cast<std::size_t>(axis)].push_back(double(mesh.vertices[v][axis]));
+  const std::size_t n = sorted[0].size();
+  if (n == 0) return {{-1, -1, -1}, {1, 1, 1}};
+  geometry::Box3d box;
+  Vec3d low, high;
+  for (int axis = 0; axis < 3; ++axis) {
+    auto& x = sorted[static_cast<std::size_t>(axis)];
+    const auto at = [&](std::size_t rank) {
+      std::nth_element(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(rank), x.end());
+      return x[rank];
+    };
+    low[axis] = at(n / 100), high[axis] = at(n - 1 - n / 100);
+    const double margin = 0.01 * (high[axis] - low[axis]);
+    low[axis] -= margin, high[axis] += margin;
+  }
+  box.grow(low), box.grow(high);
+  return box;
+}
 
 Rayf Camera::ray(double x, double y) const {
   const Vec3d d = forward + right * ((2 * x - 1) * half_width) + up * ((1 - 2 * y) * half_height);
   return {Vec3f(origin), Vec3f(geometry::normalized(d))};
+}
+
+std::vector<Rayf> primary_rays(const Camera& camera, std::size_t count, std::uint64_t seed) {
+  const auto side = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(count)));
+  const std::uint64_t square = std::bit_ceil(side);
+  std::vector<Rayf> rays;
+  for (std::uint64_t i = 0; i < square * square; ++i) {
+    const auto [x, y] = morton(i);
+    if (x >= side || y >= side) continue;
+    const double jitter_x = geometry::uniform_at(seed, 2 * i),
+                 jitter_y = geometry::uniform_at(seed, 2 * i + 1);
+    rays.push_back(camera.ray((x + jitter_x) / side, (y + jitter_y) / side));
+  }
+  return rays;
 }
 
 Camera frame(const Mesh3f& mesh, double aspect) {
@@ -223,7 +235,7 @@ std::vector<RaySet> make_ray_sets(const Mesh3f& mesh, std::size_t count, std::ui
   const Camera camera = frame(mesh, 1.0);
   const geometry::Box3d box = robust_box(mesh);
   const Tree tree = tree_over(mesh);
-  std::vector<Rayf> primary = camera_rays(camera, count, seed);
+  std::vector<Rayf> primary = primary_rays(camera, count, seed);
   // Every second ray is aimed at a triangle; those are put in the order of their directions, so that
   // neighbours stay neighbours.
   geometry::Pcg32 random(seed, 3);
@@ -244,12 +256,25 @@ std::vector<RaySet> make_ray_sets(const Mesh3f& mesh, std::size_t count, std::ui
     throw std::invalid_argument("no ray meets the mesh: it has no triangle with an area and finite corners");
   }
   const FirstHit first_hit = [&](const Rayf& ray) { return tree.closest_hit(ray); };
+  const std::vector<Rayf> diffuse = diffuse_rays(seen, seed);
+  std::vector<Seen> seen_next = seen_by(mesh, tree, camera, diffuse, seed + 3, threads);
+  if (seen_next.empty()) seen_next = seen;  // what bounces off a single triangle meets nothing
+  const std::vector<Rayf> second = diffuse_rays(seen_next, seed + 4);
+  const std::vector<accel::Id> solid = solid_faces(mesh);
+  geometry::Pcg32 order(seed, 2);
+  const auto camera_order = shuffle(primary.size(), order), second_order = shuffle(second.size(), order);
+  const std::size_t most = primary.size();
   std::vector<RaySet> sets{
-      {"camera", false, primary, 0},
-      {"camera_any", true, primary, 0},
-      {"diffuse", false, diffuse_rays(seen, seed), 2},
-      {"shadow", true, shadow_rays(seen, box, seed), 3},
-      {"edge", false, edge_rays(mesh, first_hit, camera.origin, primary.size(), seed), 4}};
+      {.name = "camera", .rays = primary, .truth = 0},
+      {.name = "camera_shuffled", .rays = placed(primary, camera_order), .truth = 0, .place = camera_order},
+      {.name = "camera_any", .any = true, .rays = primary, .truth = 0},
+      {.name = "diffuse", .rays = diffuse, .truth = 3},
+      {.name = "bounce2", .rays = placed(second, second_order), .truth = 4},
+      {.name = "random", .rays = random_rays(box, most, seed), .truth = 5},
+      {.name = "shadow", .any = true, .rays = shadow_rays(seen, box, seed), .truth = 6},
+      {.name = "axis", .rays = axis_rays(mesh, solid, box, most, seed), .truth = 7},
+      {.name = "grazing", .rays = grazing_rays(mesh, solid, most, seed), .truth = 8},
+      {.name = "edge", .rays = edge_rays(mesh, first_hit, camera.origin, most, seed), .truth = 9}};
   refuse_empty(sets);
   return sets;
 }

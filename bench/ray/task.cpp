@@ -4,6 +4,7 @@
 
 #include "bench/core/registry.hpp"
 #include "bench/ray/block.hpp"
+#include "bench/ray/moving.hpp"
 #include "bench/ray/pictures.hpp"
 #include "datasets_gen/hard/hard_case.hpp"
 
@@ -12,16 +13,25 @@ namespace {
 
 using datasets::Dataset;
 
-std::size_t rays_per_set(Profile profile) {
+/// Of a large mesh more rays are asked: a batch is repeated, and what one pass leaves in the caches must not
+/// be all that the next one needs.
+std::size_t rays_per_set(std::size_t n, Profile profile) {
+  const bool large = n > 300'000;
   switch (profile) {
     case Profile::smoke:
       return 256;
     case Profile::quick:
-      return 4096;
+      return large ? 8192 : 4096;
     case Profile::full:
-      return 65536;
+      return large ? 262144 : 65536;
   }
   return 0;
+}
+
+/// Where vertices move, too: each build of a method is made anew for each frame, so not everywhere.
+bool moves(const std::string& dataset, std::size_t n, Profile profile) {
+  if (profile == Profile::smoke) return dataset == "icosphere";
+  return n > 50'000 && n < 200'000 && (profile == Profile::full || dataset == "icosphere");
 }
 
 /// Rays a set that are judged: as many as brute force answers in a second or two.
@@ -46,13 +56,22 @@ std::unique_ptr<Block> open_hard(const std::string& name, const RunContext& cont
   BlockInput input;
   input.dataset_hash = dataset.hash();
   input.mesh = std::move(dataset.mesh);
-  input.sets = {{"closest", false, c.rays, 0}, {"any", true, c.rays, 0}};
+  if (!c.rays.empty()) {
+    input.sets.push_back({.name = "closest", .rays = c.rays, .truth = 0});
+    input.sets.push_back({.name = "any", .any = true, .rays = c.rays, .truth = 0});
+  }
+  for (datasets::RaysOut& out : c.outward)
+    input.sets.push_back(
+        {.name = out.name, .rays = std::move(out.rays), .truth = input.sets.size(), .outward = true});
   input.seed = context.seed;
   input.from_inside = c.from_inside;
+  input.judged = c.judged;
   input.threads = 1;  // hard cases run in children of a fork: no thread pool here
   input.truth_cache = context.truth_cache;
   input.version = version;
-  return std::make_unique<RayBlock>(std::move(input), methods);
+  auto block = std::make_unique<RayBlock>(std::move(input), methods);
+  block->find_truth();  // once, for all the children
+  return block;
 }
 
 }  // namespace
@@ -70,9 +89,13 @@ std::vector<BlockSpec> RayTask::blocks(Profile profile) const {
   std::vector<BlockSpec> blocks;
   for (const auto& recipe : datasets::recipes()) {
     if (recipe.kind != datasets::Kind::mesh) continue;
-    const bool scales = recipe.name == "icosphere" || recipe.name == "architecture";
+    const auto is = [&](std::initializer_list<const char*> names) {
+      return std::ranges::find(names, recipe.name) != names.end();
+    };
     for (const std::size_t n : {1'000, 10'000, 100'000, 1'000'000, 10'000'000}) {
-      const bool quick = n == 100'000 || (scales && (n == 10'000 || n == 1'000'000));
+      const bool quick = n == 100'000 || (n == 1'000 && is({"icosphere"})) ||
+                         (n == 10'000 && is({"icosphere", "architecture"})) ||
+                         (n == 1'000'000 && is({"icosphere", "architecture", "forest"}));
       if (profile == Profile::full || quick) blocks.push_back({recipe.name, n});
     }
   }
@@ -100,9 +123,17 @@ std::unique_ptr<Block> RayTask::open(Dataset dataset, const RunContext& context)
                                 "' has no triangles; the task ray needs a mesh of triangles");
   BlockInput input;
   input.dataset_hash = dataset.hash();
-  input.sets = make_ray_sets(dataset.mesh, rays_per_set(context.profile), context.seed, context.threads);
+  const std::size_t n = dataset.mesh.size(), count = rays_per_set(n, context.profile);
+  input.sets = make_ray_sets(dataset.mesh, count, context.seed, context.threads);
+  if (moves(dataset.name, n, context.profile)) {
+    const std::vector<std::size_t> frames = moving_frames(context.profile != Profile::full);
+    for (const std::size_t frame : frames) input.moved.push_back(twisted(dataset.mesh, frame));
+    add_moving_sets(input.sets, input.moved, frames, count, context.seed);
+  }
   input.seed = dataset.seed;
-  input.judged = judged_rays(dataset.mesh.size(), context.profile);
+  input.closed = dataset.closed;
+  input.quick = context.profile == Profile::quick;
+  input.judged = judged_rays(n, context.profile);
   input.mesh = std::move(dataset.mesh);
   input.threads = context.threads;
   input.truth_cache = context.truth_cache;

@@ -1,6 +1,8 @@
 // Task `ray`: what does a ray hit first in a mesh, and does it hit anything at all?
 //
-// Queries: queries.hpp; on hard cases the rays of the case, as `closest` and as `any`.
+// Queries: queries.hpp, and of some meshes moving.hpp; on hard cases the rays of the case, as `closest` and
+// as
+//   `any`.
 // Truth: brute force with exact signs (truth.hpp) for an evenly spread sample of each set (all rays where the
 // mesh is
 //   small); a second witness in CGAL's exact kernel (oracle.hpp) agrees with it in the tests.
@@ -12,9 +14,15 @@
 // false
 //   misses count 1; error_max and error_p99 of the same; bias is the mean signed relative error of t.
 //   Any-hit sets: the share of false answers. Fields of its own: ray_judged, ray_false_hits,
-//   ray_false_misses, ray_borderline, ray_wrong_primitive (ties apart), ray_wrong_t, ray_leaks (rays from
-//   inside a closed mesh that got out; null elsewhere), ray_hit_share
-//   (of the judged rays, how many truly hit).
+//   ray_false_misses, ray_borderline, ray_wrong_primitive (ties apart), ray_wrong_t, ray_hit_share (of the
+//   judged rays, how many truly hit); ray_surplus and ray_missing (hits where exact arithmetic has none, and
+//   the reverse: borderline or not); ray_t_ulp_max and _mean (|t - t_true| in spacings of float at t_true,
+//   where both are of one surface), ray_t_outside (answers whose t lies beyond their own triangle by more
+//   than eps); ray_leaks_per_million (of rays from inside a closed mesh, those that met nothing; of other
+//   rays at a closed mesh, the false misses; null for open meshes); ray_self_hits_per_million (of rays from a
+//   convex surface outward, those that hit it; null elsewhere); ray_update_s (moving vertices: seconds of the
+//   refit or rebuild); of our trees ray_references, ray_inner_nodes, ray_leaf_count, ray_depth, ray_sah_cost
+//   and ray_node_bytes (an inner node's).
 // Claims: exact: right up to the rounding of double, t rounded to float. bounded: right or borderline in
 //   float, and no ray from inside a closed mesh gets out. approximate: may leak at edges and vertices, and t
 //   may be off on a triangle that is thin or seen edge-on; anything else is wrong.
@@ -34,7 +42,7 @@ class RayTask final : public Task {
   RayTask();
 
   std::string name() const override { return "ray"; }
-  int version() const override { return 3; }
+  int version() const override { return 4; }
   const std::vector<MethodInfo>& methods() const override { return infos_; }
   std::vector<std::pair<std::string, std::string>> not_built() const override;
   std::vector<BlockSpec> blocks(Profile) const override;

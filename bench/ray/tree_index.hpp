@@ -9,10 +9,25 @@
 
 namespace treeline::bench::ray {
 
+/// Nodes and primitives touched per ray.
+template <accel::RayIndex Tree>
+std::pair<double, double> work_of(const Tree& tree, std::span<const geometry::Rayf> rays, bool any) {
+  accel::Work work;
+  for (const auto& ray : rays)
+    if (any)
+      tree.any_hit(ray, work);
+    else
+      tree.closest_hit(ray, work);
+  const double n = static_cast<double>(std::max<std::size_t>(rays.size(), 1));
+  return std::pair(static_cast<double>(work.nodes) / n, static_cast<double>(work.primitives) / n);
+}
+
 template <accel::RayIndex Tree>
 class TreeIndex final : public Index {
  public:
-  explicit TreeIndex(Tree tree) : tree_(std::move(tree)) {}
+  /// node_bytes: of an inner node; 0 where there is none.
+  explicit TreeIndex(Tree tree, std::size_t node_bytes = 0)
+      : tree_(std::move(tree)), node_bytes_(node_bytes) {}
 
   void closest(std::span<const geometry::Rayf> rays, std::span<RayAnswer> out, const Knobs&,
                int threads) const override {
@@ -24,14 +39,32 @@ class TreeIndex final : public Index {
   }
   std::optional<std::pair<double, double>> work(std::span<const geometry::Rayf> rays,
                                                 bool any) const override {
-    accel::Work work;
-    for (const auto& ray : rays)
-      if (any)
-        tree_.any_hit(ray, work);
-      else
-        tree_.closest_hit(ray, work);
-    const double n = static_cast<double>(std::max<std::size_t>(rays.size(), 1));
-    return std::pair(static_cast<double>(work.nodes) / n, static_cast<double>(work.primitives) / n);
+    return work_of(tree_, rays, any);
+  }
+  std::vector<accel::Work> work_of_each(std::span<const geometry::Rayf> rays) const override {
+    std::vector<accel::Work> work(rays.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) tree_.closest_hit(rays[i], work[i]);
+    return work;
+  }
+  /// Trees that can be refitted offer refit(mesh).
+  bool refit(const geometry::Mesh3f& mesh) override {
+    if constexpr (requires { tree_.refit(mesh); }) {
+      tree_.refit(mesh);
+      return true;
+    } else {
+      return false;
+    }
+  }
+  Knobs facts() const override {
+    Knobs out = Knobs::object();
+    if (node_bytes_ > 0) out["ray_node_bytes"] = node_bytes_;
+    if constexpr (requires { tree_.stats(); }) {
+      const accel::TreeStats s = tree_.stats();
+      out["ray_references"] = s.references, out["ray_inner_nodes"] = s.inner_nodes;
+      out["ray_leaf_count"] = s.leaves, out["ray_depth"] = s.depth;
+      if (s.sah_cost > 0) out["ray_sah_cost"] = s.sah_cost;
+    }
+    return out;
   }
   std::vector<accel::SliceCell> slice(int axis, double offset) const override {
     if constexpr (accel::Inspectable<Tree>)
@@ -42,17 +75,18 @@ class TreeIndex final : public Index {
 
  private:
   Tree tree_;
+  std::size_t node_bytes_;
 };
 
 /// Builds Tree<Triangles<float, Test>> with the leaf size that the knobs name.
-template <template <class> class Tree, class Test>
+template <template <class> class Tree, class Test, std::size_t node_bytes>
 std::unique_ptr<Index> build_tree(const geometry::Mesh3f& mesh, const Knobs& knobs, int /*threads*/) {
   using T = Tree<accel::Triangles<float, Test>>;
   typename T::Options options;
   // A user's mesh may hold a broken triangle; dropping it keeps the rest usable.
   options.non_finite = accel::NonFinite::drop;
   if (knobs.contains("leaf_size")) options.leaf_size = knobs.at("leaf_size").get<int>();
-  return std::make_unique<TreeIndex<T>>(T(mesh, options));
+  return std::make_unique<TreeIndex<T>>(T(mesh, options), node_bytes);
 }
 
 /// Registers a tree twice: `name` with the watertight leaf test, and `name`_fast with Möller and Trumbore's
@@ -61,11 +95,12 @@ std::unique_ptr<Index> build_tree(const geometry::Mesh3f& mesh, const Knobs& kno
 /// The fast test leaks: it computes a shared edge differently for its two triangles (Möller and Trumbore
 /// 1997), so rays aimed at edges and vertices slip through a closed mesh, at some vertices every fourth, and
 /// t cancels for triangles seen edge-on. Hence its weaker claim.
-template <template <class> class Tree>
+/// node_bytes: sizeof an inner node, of which the claims ledger speaks.
+template <template <class> class Tree, std::size_t node_bytes = 0>
 bool register_tree(MethodInfo info) {
   const auto add = [](MethodInfo i, auto test) {
     return Registry<Method>::instance().add(
-        {.info = std::move(i), .build = build_tree<Tree, decltype(test)>});
+        {.info = std::move(i), .build = build_tree<Tree, decltype(test), node_bytes>});
   };
   info.claim = Claim::bounded;
   MethodInfo fast = info;

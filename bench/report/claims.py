@@ -1,12 +1,13 @@
 """The claims ledger: sentences that courses repeat, each held against the rows. No verdict is ever typed in.
 
-claims.json lists the sentences. A structure's claim names the family it favours, and the clouds and query sets it is
-about. Two contests decide, for no single one is fair to all:
+claims.json lists the sentences, each with its kind. Here are those about which structure is faster ("contest"); those about
+sizes and answers are in measures.py. A contest's claim names the family it favours, and the datasets and query sets it
+is about. Two contests decide, for no single one is fair to all:
 
-    binary   our scalar binary trees with leaves of one size: what the structures themselves are worth
+    binary   our binary trees with leaves of one size: what the structures themselves are worth
     best     the fastest right method of each family, ours or a peer: what a user can get
 
-A cell is one query set on one cloud; its ratio is the favoured family's time over that of its fastest rival. Cells fall
+A cell is one query set on one dataset; its ratio is the favoured family's time over that of its fastest rival. Cells fall
 into groups by contest and by where the queries lie. Every group supports the claim, at every size: it holds; some do, or
 at some size: it holds only if; none does: it does not hold.
 """
@@ -27,7 +28,11 @@ BINARY = {"kd": "kd_tree", "bvh": "bvh", "bsp": "bsp_tree"}
 TEXTBOOK = {"kd": "planes", "bvh": "box", "bsp": "planes"}  # what bounds a cell where a tree offers several
 CONTESTS = {"binary": "binary trees with leaves of equal size", "best": "the best of each family"}
 PLACES = {"self": "asked at points of the cloud", "off": "asked off the cloud", "far": "asked from far away",
-          "radius": "asked for a radius"}  # fmt: skip
+          "radius": "asked for a radius", "coherent": "rays near each other", "scattered": "rays in no order",
+          "aimed": "rays along axes, in planes and at edges"}  # fmt: skip
+RAYS = {"camera": "coherent", "camera_any": "coherent", "shadow": "coherent", "axis": "aimed", "grazing": "aimed",
+        "edge": "aimed", "camera_shuffled": "scattered", "diffuse": "scattered", "bounce2": "scattered",
+        "random": "scattered"}  # fmt: skip
 NEAR = 1.1  # times repeat within some 10 %: a smaller difference is none
 AGREEING = 0.75  # of a group's cells must not contradict
 SIZES = 3  # that an experiment should span
@@ -35,7 +40,7 @@ SIZES = 3  # that an experiment should span
 
 @dataclass
 class Cell:
-    """One query set on one cloud, in one contest."""
+    """One query set on one dataset, in one contest."""
 
     contest: str
     place: str
@@ -62,11 +67,17 @@ class Verdict:
     spread: list = field(default_factory=list)  # of each of these: (mean by size, clouds that contradict), as text
     cells: list = field(default_factory=list)
     coverage: str = ""
+    figure: str = "time over the fastest rival's"  # what the figures are
+    unit: str = "comparisons"  # what they are counted in
+    table: tuple = ()  # (heads, lines) behind a verdict that rests on no contest
 
 
 def ledger(rows):
     """A verdict for every claim of the list."""
-    return [judge(claim, rows) for claim in json.loads(LIST.read_text())]
+    from bench.report import measures
+
+    kinds = {"contest": judge, **measures.KINDS}
+    return [kinds[claim.get("kind", "contest")](claim, rows) for claim in json.loads(LIST.read_text())]
 
 
 def judge(claim, rows):
@@ -137,6 +148,8 @@ def cells_of(claim, rows):
 
 
 def _place(query_set):
+    if query_set in RAYS:
+        return RAYS[query_set]
     if query_set.startswith("radius"):
         return "radius"
     place = query_set.rpartition("_")[2].replace("sorted", "self")
@@ -179,11 +192,11 @@ def _condition(supporting):
 
 
 def _coverage(claim, cells):
-    """How much the verdict rests on; each cloud should be there at several sizes."""
+    """How much the verdict rests on; each dataset should be there at several sizes."""
     sizes = {d: len({c.size for c in cells if c.dataset == d}) for d in claim["clouds"]}
     absent = [d for d, n in sizes.items() if n == 0]
     thin = [d for d, n in sizes.items() if 0 < n < SIZES]
-    text = f"{len(cells)} comparisons on {len(sizes) - len(absent)} of {len(sizes)} clouds"
+    text = f"{len(cells)} comparisons on {len(sizes) - len(absent)} of {len(sizes)} datasets"
     text += f"; not measured: {', '.join(absent)}" if absent else ""
     binary = [c for c in cells if c.contest == "binary"]
     for family, name in BINARY.items():

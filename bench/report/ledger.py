@@ -8,11 +8,12 @@ from bench.report.rows import knob_text
 from bench.report.units import count, duration, figure
 
 CLASSES = {claims.HOLDS: "ours", claims.ONLY_IF: "even", claims.FAILS: "peer", claims.NOT_RUN: ""}
-NOTE = f"""Sentences that courses and handbooks repeat, each held against the rows of this report. Two contests decide:
-{"; and ".join(claims.CONTESTS.values())}. A figure is the favoured structure's time over its fastest rival's, the geometric
-mean of a group: below 1 it wins. A group supports the sentence if that mean is below {1 / claims.NEAR:.2f} and at least
-{claims.AGREEING:.0%} of its comparisons do not contradict it. Every group supports, at every size: it holds; some do, or
-at some size: it holds only if; none does: it does not hold."""
+NOTE = f"""Sentences that courses and handbooks repeat, each held against the rows of this report. Where they say which
+structure is faster, two contests decide: {"; and ".join(claims.CONTESTS.values())}. A figure is the favoured structure's time
+over its fastest rival's, the geometric mean of a group: below 1 it wins. A group supports the sentence if that mean is below
+{1 / claims.NEAR:.2f} and at least {claims.AGREEING:.0%} of its comparisons do not contradict it. Sentences about sizes and
+answers are taken apart into statements that rows support or not. All support it, at every size: it holds; some do, or at
+some size: it holds only if; none does: it does not hold."""
 
 
 def section(rows):
@@ -26,7 +27,17 @@ def _claim(v):
     head = (f'<article class="claim" id="claim-{v.id}"><h3>{v.id} {esc(v.sentence)}</h3>'
             f'<p class="verdict {CLASSES[v.word]}"><b>{esc(v.word)}</b>{condition}</p>'
             f'<p class="note">Tried by {esc(v.experiment)}. {esc(v.coverage)}</p>')  # fmt: skip
-    return head + (_groups(v) + _clouds(v) + _cells(v) if v.cells else "") + "</article>"
+    behind = _clouds(v) + _cells(v) if v.cells else _behind(v)
+    return head + (_groups(v) + behind if v.figures else "") + "</article>"
+
+
+def _behind(v):
+    """The table that a claim brings itself."""
+    if not v.table:
+        return ""
+    heads, lines = v.table
+    shown = [[figure(c) if isinstance(c, (int, float)) or c is None else c for c in line] for line in lines]
+    return f"<details><summary>The {len(lines)} lines behind it</summary>{_table(heads, shown)}</details>"
 
 
 def _table(heads, lines):
@@ -37,9 +48,12 @@ def _table(heads, lines):
 
 
 def _groups(v):
+    if not v.spread:
+        lines = [(words, figure(ratio), cells, "yes" if yes else "no") for words, ratio, cells, yes in v.figures]
+        return _table(("statement", v.figure, v.unit, "supports the sentence"), lines)
     lines = [(words, figure(ratio), sizes, against or "none", cells, "yes" if yes else "no")
              for (words, ratio, cells, yes), (sizes, against) in zip(v.figures, v.spread)]  # fmt: skip
-    heads = ("group", "time over the fastest rival's", "by points", f"clouds against it (above {claims.NEAR})", "comparisons",
+    heads = ("group", "time over the fastest rival's", "by points", f"datasets against it (above {claims.NEAR})", "comparisons",
              "supports the sentence")  # fmt: skip
     return _table(heads, lines)
 
@@ -52,7 +66,7 @@ def _clouds(v):
         best, _, _, _ = contests.get("best", (None,) * 4)
         figures = map(figure, (times, leaves, bsp, best))
         lines.append((dataset, count(size), claims.PLACES[place], *figures))
-    heads = ("cloud", "points", "queries", "KD/BVH, time, binary", "KD/BVH, leaves visited, binary", "BSP/BVH, time, binary",
+    heads = ("dataset", "size", "queries", "KD/BVH, time, binary", "KD/BVH, leaves visited, binary", "BSP/BVH, time, binary",
              "KD/BVH, time, best of each")  # fmt: skip
     return _table(heads, lines)
 
@@ -65,5 +79,5 @@ def _cells(v):
                 where = f"{Path(row.file).name}:{row.line}"
                 lines.append((c.dataset, count(c.size), c.query_set, c.contest, family, row.method,
                               knob_text(row.build_knobs), duration(row.query_ns), figure(claims.leaves(row)), where))  # fmt: skip
-    heads = ("cloud", "points", "query set", "contest", "family", "method", "built with", "time", "leaves", "row")
+    heads = ("dataset", "size", "query set", "contest", "family", "method", "built with", "time", "leaves", "row")
     return f"<details><summary>The {len(lines)} rows behind it</summary>{_table(heads, lines)}</details>"

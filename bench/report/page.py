@@ -6,7 +6,7 @@ from pathlib import Path
 import vl_convert
 from jinja2 import Environment
 
-from bench.report import charts, ledger, model, pieces, series
+from bench.report import charts, ledger, model, pieces, rays, series
 from bench.report.pieces import esc
 from bench.report.units import count
 
@@ -29,10 +29,14 @@ def build(rows, pictures, title="Treeline: speed against accuracy"):
         for figure in (f for card in cards for f in card.figures):
             data["charts"].append({"id": figure.name, "kind": "fixed", "task": task.name, "dataset": figure.dataset,
                                    "title": figure.title, "spec": charts.theme(figure.chart).to_dict()})  # fmt: skip
+        fixed = list(rays.chart_list(task))
+        for name, title, _, chart in fixed:
+            spec = charts.theme(chart).to_dict()
+            data["charts"].append({"id": name, "kind": "fixed", "task": task.name, "dataset": "", "title": title, "spec": spec})
         data["tasks"][task.name] = {"element": task.text.element, "queryWord": task.text.query,
                                     "runs": task.runs or [0], "threads": task.threads or [None]}  # fmt: skip
         mine = [p for p in pictures if p.task == task.name]
-        sections.append(_section(task, rows, listed, mine, cards))
+        sections.append(_section(task, rows, listed, fixed, mine, cards))
         nav.append(_nav(task, mine, cards))
     sections.append(ledger.section(rows))
     nav.append('<a class="task" href="#claims">Claims</a>')
@@ -70,6 +74,8 @@ def _nav(task, pictures, cards):
         links.append(f'<a href="#{name}-advice">Advice</a>')
     if any(r.hard for r in task.rows):
         links.append(f'<a href="#{name}-stability">Stability</a>')
+    if rays.hard_lines(task)[1]:
+        links.append(f'<a href="#{name}-figures">Hard cases in figures</a>')
     if pictures:
         links.append(f'<a href="#{name}-pictures">Pictures</a>')
     return "".join(links)
@@ -155,7 +161,7 @@ def _busy(rows):
             "trust close calls.</p>")  # fmt: skip
 
 
-def _section(task, rows, listed, pictures, cards):
+def _section(task, rows, listed, fixed, pictures, cards):
     name, text = task.name, task.text
     blocks = [
         f'<section id="{name}"><h2>{esc(text.title)}</h2>',
@@ -177,6 +183,14 @@ def _section(task, rows, listed, pictures, cards):
                       f"the arrow keys, too.</p>{pieces.advice(task)}")  # fmt: skip
     if matrix := pieces.matrix_table(task):
         blocks.append(f'<h3 id="{name}-stability">Stability: the hard cases</h3>{matrix}')
+    if figures := rays.hard_table(task):
+        blocks.append(f'<h3 id="{name}-figures">Hard cases in figures</h3>{figures}')
+    if moving := rays.moving_table(task):
+        blocks.append(f'<h3 id="{name}-frames">Moving vertices: refit or rebuild?</h3>{moving}')
+    if fixed:
+        boxes = "".join(f'<div class="chart fixed"><h4>{esc(title)}</h4><div id="{chart}" class="plot"></div>'
+                        f'<p class="note">{esc(note)}</p></div>' for chart, title, note, _ in fixed)  # fmt: skip
+        blocks.append(f'<div class="fixed-charts">{boxes}</div>')
     if pictures:
         blocks.append(f'<h3 id="{name}-pictures">Pictures</h3>{pieces.gallery(pictures)}')
     return "".join(blocks) + "</section>"

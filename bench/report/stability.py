@@ -69,7 +69,7 @@ def status_of(row):
     return "inexact" if row.status == "ok" and (shown_error(row) or 0) > RIGHT else row.status
 
 
-def _columns(rows, methods):
+def columns_of(rows, methods):
     """{(method, build knobs as text): Column}, in the order of the methods."""
     builds = {m: {} for m in methods}
     for row in rows:
@@ -86,7 +86,7 @@ def _columns(rows, methods):
 def matrix(rows, methods):
     """(cases, columns, {(case, column): Cell}) of one task's rows."""
     order, cells, cases = list(LETTERS), {}, {}
-    columns = _columns(rows, methods)
+    columns = columns_of(rows, methods)
     for row in rows:
         if not row.hard or row.method not in methods:
             continue

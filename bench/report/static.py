@@ -6,7 +6,7 @@ from pathlib import Path
 import altair as alt
 import vl_convert
 
-from bench.report import charts, series, stability
+from bench.report import charts, rays, series, stability
 from bench.report.model import points
 from bench.report.units import count
 
@@ -63,6 +63,8 @@ def _charts(task):
     cases, columns, cells = stability.matrix(task.rows, task.looks)
     if cases:
         yield f"{task.name}-stability", _matrix(task, cases, columns, cells)
+    for name, title, _, chart in rays.chart_list(task):
+        yield name, chart.properties(title=title, width=460)
 
 
 def _data(task, rows):

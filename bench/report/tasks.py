@@ -56,10 +56,17 @@ TASKS = {
         "The relative error of the hit distance; a false hit or a false miss counts 1. An answer that is right for a ray "
         "moved by the rounding of its coordinates counts as right.",
         (("camera", "the closest hit of rays from one eye, in the order of pixels"),
+         ("camera_shuffled", "the same rays in random order"),
          ("camera_any", "whether those rays hit anything"),
-         ("diffuse", "the closest hit of rays that bounce off what the camera sees, in random order"),
+         ("diffuse", "the closest hit of rays that bounce off what the camera sees, in the order of pixels"),
+         ("bounce2", "the closest hit of the next bounce, in random order"),
+         ("random", "the closest hit between random points of the mesh's box and beyond"),
          ("shadow", "whether anything stands between what the camera sees and a light"),
-         ("edge", "the closest hit of rays aimed at edges and vertices, where leaks show"))),
+         ("axis", "the closest hit along an axis: two components of the direction are 0 or −0"),
+         ("grazing", "the closest hit of rays almost in a triangle's plane, where t slides"),
+         ("edge", "the closest hit of rays aimed at edges and vertices, where leaks show"),
+         ("frame…_refit, frame…_rebuilt",
+          "the closest hit after the vertices have moved, on an index that was refitted, or built anew"))),
 }  # fmt: skip
 
 

@@ -93,6 +93,26 @@ std::vector<HardCase> degenerate_triangles() {
   }
   {
     HardCase& c =
+        add("coincident_2e5", "measured: tinybvh crashes on 2e5 copies of one triangle, others turn linear",
+            "the hit's distance is that of one triangle; which copy is returned is free");
+    for (int copy = 0; copy < 200'000; ++copy) add_triangle(c.mesh, {-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
+    c.rays = rays_from_around(37, 10, 3);
+  }
+  {
+    HardCase& c = add("needles_4e4",
+                      "measured: 4e4 needles of zero area make every BVH tried 100 times slower", unchanged);
+    c.mesh = snapped_sphere(8);
+    for (std::size_t i = 0; i < 40'000; ++i) {
+      // Across the whole scene, so that the box of each is as large: two corners equal, no area.
+      Draws draws(38, i);
+      const Vec3f a = rounded(draws.in_box({-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}));
+      const Vec3f b = rounded(draws.in_box({-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}));
+      add_triangle(c.mesh, a, b, b);
+    }
+    c.rays = rays_from_around(39, 200, 3);
+  }
+  {
+    HardCase& c =
         add("nested_coplanar", "measured: tinybvh crashes on nested coplanar triangles of one centroid",
             "hits are at the one plane, where the largest triangle is hit");
     for (int i = 1; i <= 500; ++i) {

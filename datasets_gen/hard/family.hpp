@@ -17,6 +17,9 @@ std::vector<HardCase> nan_infinity();
 std::vector<HardCase> empty_one_kn();
 std::vector<HardCase> float_range();
 std::vector<HardCase> radius_borders();
+std::vector<HardCase> grazing_rays();
+std::vector<HardCase> self_intersection();
+std::vector<HardCase> box_rays();
 
 // ---- points --------------------------------------------------------------------------------------------
 

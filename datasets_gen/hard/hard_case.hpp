@@ -20,6 +20,12 @@ enum class Expect {
                       // part
 };
 
+/// Rays from points of a convex closed surface that lead away from it, each from an origin `offset` off.
+struct RaysOut {
+  std::string name;  // of the query set
+  std::vector<geometry::Rayf> rays;
+};
+
 struct HardCase {
   std::string family;  // one file of datasets_gen/hard each
   std::string name;    // unique over all families
@@ -36,7 +42,9 @@ struct HardCase {
   // For the task ray: a mesh, and rays.
   geometry::Mesh3f mesh;
   std::vector<geometry::Rayf> rays;
-  bool from_inside = false;  // every ray starts inside the closed mesh: each must hit
+  std::size_t judged = SIZE_MAX;  // so many of the rays are enough to judge; leaks count them all
+  bool from_inside = false;       // every ray starts inside the closed mesh: each must hit
+  std::vector<RaysOut> outward;   // instead of rays: the smallest offset that no ray hits at is sought
 
   bool for_points() const { return mesh.faces.empty() && rays.empty(); }
 };

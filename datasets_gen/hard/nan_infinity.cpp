@@ -74,6 +74,12 @@ std::vector<HardCase> nan_infinity() {
     c.mesh.vertices[200] = {0, -infinity, infinity};
   }
   {
+    HardCase& c = mesh_case("vertex_at_1e25", "measured: tinybvh crashes on vertices at 1e25");
+    c.mesh.vertices[100] = {1e25f, 0, 0};
+    c.expect = Expect::answers;
+    c.law = "hits are those of all triangles, among them six of which one corner is far out";
+  }
+  {
     HardCase& c = mesh_case("nan_rays", "derivation: every comparison with NaN is false");
     c.law = "refused with a clear error, or no hit";
     c.rays = {{.origin = {nan, 0, 0}, .direction = {1, 0, 0}},

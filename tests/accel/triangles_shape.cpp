@@ -128,6 +128,12 @@ TYPED_TEST(TriangleShape, StatsAreConsistent) {
   EXPECT_EQ(s.leaves, s.inner_nodes + 1);  // every inner node has two children
   EXPECT_GE(s.references, s.primitives);
   EXPECT_LE(s.references, 8 * s.primitives);
+  if (std::is_same_v<TypeParam, BspTree<Triangles<T>>>) {
+    EXPECT_GT(s.oblique_nodes, 0u);  // planes of either kind
+    EXPECT_LT(s.oblique_nodes, s.inner_nodes);
+  } else {
+    EXPECT_EQ(s.oblique_nodes, 0u);
+  }
   EXPECT_EQ(s.bytes, tree.bytes());
   EXPECT_GE(s.bytes, s.primitives * sizeof(Triangle<T>));
   EXPECT_GT(s.sah_cost, 0);
@@ -216,6 +222,42 @@ TEST(TriangleWork, TreesTouchFarLessThanBruteForce) {
   EXPECT_LT(touched(Bvh<Triangles<float>>(mesh)), 150);
   EXPECT_LT(touched(KdTree<Triangles<float>>(mesh)), 150);
   EXPECT_LT(touched(BspTree<Triangles<float>>(mesh)), 150);
+}
+
+// Slack is measured from the triangles themselves: one of them far away must not blur all the others.
+TYPED_TEST(TriangleShape, OneTriangleFarAwayCostsNextToNothing) {
+  using T = typename TypeParam::Scalar;
+  if (std::is_same_v<TypeParam, BruteForce<Triangles<T>>>) GTEST_SKIP() << "tests every triangle anyway";
+  Mesh<T> mesh = sphere<T>(5);  // 8192 faces
+  std::vector<Ray<T>> rays;
+  Pcg32 random(141);
+  for (int i = 0; i < 300; ++i) rays.push_back({in_cube(random, T(0.5)), in_cube(random, T(1))});
+  struct Touched {
+    double by_rays, by_points;
+  };
+  const auto touched = [&](const TypeParam& tree) {
+    Work ray_work, point_work;
+    for (const auto& ray : rays) {
+      EXPECT_TRUE(tree.closest_hit(ray, ray_work));
+      (void)tree.closest_point(ray.origin, T(10), point_work);
+    }
+    return Touched{double(ray_work.nodes + ray_work.primitives),
+                   double(point_work.nodes + point_work.primitives)};
+  };
+  const Touched alone = touched(TypeParam(mesh));
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.resize(first + 3);
+  mesh.faces.push_back({first, first + 1, first + 2});
+  for (const T far : {T(1e2), T(1e5), T(1e8)}) {
+    mesh.vertices[first] = {far, far, far};
+    mesh.vertices[first + 1] = {far * T(1.5), far, far};
+    mesh.vertices[first + 2] = {far, far * T(1.5), far};
+    const TypeParam tree(mesh);
+    const Touched with = touched(tree);
+    EXPECT_LT(with.by_rays, 2 * alone.by_rays) << far;
+    EXPECT_LT(with.by_points, 2 * alone.by_points) << far;
+    EXPECT_EQ(tree.closest_hit({{}, {T(1.1), T(1.1), T(1)}, T(1.5)}).primitive, mesh.size() - 1) << far;
+  }
 }
 
 }  // namespace

@@ -69,7 +69,7 @@ TEST(RowFile, RowsOfAnotherMachineAreRefusedAndLeftAlone) {
       RowFile file(folder / "rows", true, "fake");
       FAIL() << field;
     } catch (const UsageError& e) {
-      for (const std::string word : {std::string("line 2"), field, std::string("of yesteryear")})
+      for (const std::string& word : {std::string("line 2"), field, std::string("of yesteryear")})
         EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
     }
     EXPECT_EQ(read_text(folder / "rows"), before);

@@ -29,11 +29,13 @@ TEST(RayTask, HasTheMethodsThatCMakeLists) {
   for (const auto& name : split_names(RAY_TEST_METHODS)) listed.insert(name);
   // What is listed is source files; each of our trees' registers a fast variant, too.
   for (const char* tree : {"brute", "kd_tree", "bsp_tree", "bvh"}) listed.insert(std::string(tree) + "_fast");
+  for (const char* other : {"slab_textbook", "slab_padded", "bvh_wide", "bvh_wide_exact"})
+    listed.insert(other);
   EXPECT_EQ(names, listed);
   EXPECT_EQ(names.size(), task.methods().size() + task.not_built().size());
-  for (const char* name :
-       {"brute", "brute_fast", "kd_tree", "kd_tree_fast", "bsp_tree", "bsp_tree_fast", "bvh", "bvh_fast",
-        "embree_single", "embree_packet8", "embree_packet16", "cgal_aabb"})
+  for (const char* name : {"brute", "brute_fast", "kd_tree", "kd_tree_fast", "bsp_tree", "bsp_tree_fast",
+                           "bvh", "bvh_fast", "bvh_wide", "bvh_wide_exact", "embree_single", "embree_packet8",
+                           "embree_packet16", "embree_stream", "cgal_aabb", "cgal_aabb_epick", "pcl_octree"})
     EXPECT_TRUE(names.contains(name)) << name;
 }
 
@@ -42,19 +44,31 @@ void expect_claims_kept(const RayTask& task, Block& block) {
   for (std::size_t m = 0; m < task.methods().size(); ++m) {
     const MethodInfo& info = task.methods()[m];
     if (info.source != Source::ours) continue;
+    // Millions of tests take brute force a while; the hard cases themselves (known_failures) leave nobody
+    // out.
+    if (info.family == "brute" && block.n() * block.query_sets().front().size > 50'000'000) continue;
     for (const Knobs& knobs : info.build_knobs) {
-      const auto subject = block.build(m, knobs, 1);
+      std::unique_ptr<Subject> subject;
+      try {
+        subject = block.build(m, knobs, 1);
+      } catch (const Unsupported&) {
+        EXPECT_TRUE(info.hard_cases_only) << info.name;
+        continue;
+      }
       for (std::size_t set = 0; set < block.query_sets().size(); ++set) {
         try {
+          subject->prepare(set, 1);
           subject->run(set, Knobs::object(), 1);
         } catch (const accel::InvalidInput&) {
           continue;  // rays that are not finite are refused
+        } catch (const Unsupported&) {
+          continue;  // has no refit, or no closest hit
         }
         const Errors errors = block.check(m, *subject, set, Knobs::object());
         EXPECT_TRUE(errors.within_claim) << info.name << " " << knobs.dump() << " "
                                          << block.query_sets()[set].name << ": " << errors.reason;
-        if (info.claim != Claim::approximate && !errors.extra.at("ray_leaks").is_null()) {
-          EXPECT_EQ(errors.extra.at("ray_leaks"), 0) << info.name;
+        if (info.claim != Claim::approximate && !errors.extra.at("ray_leaks_per_million").is_null()) {
+          EXPECT_EQ(errors.extra.at("ray_leaks_per_million"), 0) << info.name;
         }
       }
     }
@@ -88,7 +102,8 @@ TEST(RayTask, AsksAllThatItSays) {
       EXPECT_GT(set.size, 200u) << "rays that miss are filled up: " << name << " " << set.name;
       EXPECT_LE(set.size, 256u);
     }
-    EXPECT_EQ(names, (std::set<std::string>{"camera", "camera_any", "diffuse", "shadow", "edge"}));
+    EXPECT_EQ(names, (std::set<std::string>{"camera", "camera_shuffled", "camera_any", "diffuse", "bounce2",
+                                            "random", "shadow", "axis", "grazing", "edge"}));
     for (const auto& advised : task.advise_on()) EXPECT_TRUE(names.contains(advised));
   }
 }
@@ -143,7 +158,7 @@ TEST(RayTask, SmokeProfileGivesValidRows) {
     EXPECT_GT(row.query_ns.value_or(0), 0) << line;
     ASSERT_TRUE(row.errors.error.has_value()) << line;
     EXPECT_LE(row.errors.error.value(), row.errors.max.value()) << line;
-    EXPECT_TRUE(json.contains("ray_false_hits") && json.contains("ray_leaks")) << line;
+    EXPECT_TRUE(json.contains("ray_false_hits") && json.contains("ray_leaks_per_million")) << line;
   }
   EXPECT_GT(count, 100u);
   std::filesystem::remove(rows);

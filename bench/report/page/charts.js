@@ -37,8 +37,11 @@ function showTip(html, x, y) {
 }
 
 function onPoint(_, event, item, value) {
-  if (!value || !item || !item.datum || item.datum.i === undefined) tip.hidden = true;
-  else showTip(tipHtml(rows[item.datum.i]), event.clientX, event.clientY);
+  if (!value || !item || !item.datum) tip.hidden = true;
+  else if (item.datum.i !== undefined) showTip(tipHtml(rows[item.datum.i]), event.clientX, event.clientY);
+  else if (typeof value === "object") // a chart that brings its own data and says what to tell of it
+    showTip("<table>" + Object.entries(value).map(([k, v]) => `<tr><th>${escapeHtml(k)}</th><td>${escapeHtml(v)}</td></tr>`).join("") + "</table>", event.clientX, event.clientY);
+  else tip.hidden = true;
 }
 
 function label(chart, list) {

@@ -56,8 +56,9 @@ function firstOf(list, key) {
   return [...seen.values()];
 }
 
-/// The points that one kind of chart shows.
+/// The points that one kind of chart shows; a fixed one brings its own.
 const chartRows = {
+  fixed: () => [],
   frontier: (task, dataset, c) => chosen(task, dataset, c).filter((r) => r.y !== null),
   build: (task, dataset, c) =>
     firstOf(chosen(task, dataset, c, false, true).filter((r) => r.build_s !== null), (r) => r.method + "|" + r.build),

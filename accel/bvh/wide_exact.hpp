@@ -1,0 +1,66 @@
+// The leaf test without an error: no false hit, no false miss, t rounded once.
+//
+// Float sorts out what is certain: the sheared edge functions of wide_ray.hpp with a bound on their error.
+// The few triangles that may be hit are decided in double, and in exact arithmetic where double is not enough
+// (see exact_ray_triangle.hpp). The bound: with Q the reach plus the largest coordinate, a sheared corner is
+// off by at most D = 9 u Q (2 u Q to move it to the origin, 6 u Q to shear it, and second-order terms), an
+// edge function of corners with coordinates of at most m by 4 D m + 2 D² and its own rounding 6 u m², m being
+// at most 2 Q: 6 D (m + D) covers it. Cost: a third more operations than the watertight test, and some 40 ns
+// a triangle that may be hit.
+#pragma once
+
+#include "accel/bvh/wide_ray.hpp"
+#include "geometry/exact_ray_triangle.hpp"
+
+namespace treeline::accel::wide {
+
+class ExactTest {
+ public:
+  using Box = geometry::Box<float, 3>;
+
+  ExactTest(const geometry::Ray<float>& ray, const geometry::Vec<float, 3>& centre, const Box& bounds,
+            float reach)
+      : sheared_(ray, centre, bounds, reach), exact_(ray, centre), t_max_(ray.t_max) {
+    float q = 0;
+    for (int k = 0; k < 3; ++k) {
+      const float origin = std::abs(ray.origin[k] - centre[k]);
+      q = std::max(q, origin + 2 * std::max(std::abs(bounds.low[k]), std::abs(bounds.high[k])));
+    }
+    off_ = 10 * geometry::tolerance::unit_roundoff<float> * q + std::numeric_limits<float>::min();
+  }
+
+  [[gnu::always_inline]] std::uint32_t hits(const RayLeaf& leaf, float limit, float (&t)[width]) const {
+    std::uint32_t bits = 0;
+    for (std::uint32_t maybe = sheared_.maybe(leaf, off_); maybe != 0; maybe &= maybe - 1) {
+      const auto lane = static_cast<std::uint32_t>(std::countr_zero(maybe));
+      bits |= (is_hit(leaf, lane, limit, t[lane]) ? 1u : 0u) << lane;
+    }
+    return bits;
+  }
+  void weights(const RayLeaf& leaf, std::uint32_t lane, float& u, float& v) const {
+    const auto hit = exact_(triangle(leaf, lane), t_max_);
+    u = hit->u, v = hit->v;
+  }
+
+ private:
+  static geometry::Triangle<float> triangle(const RayLeaf& leaf, std::uint32_t lane) {
+    const auto corner = [&](int i) {
+      return geometry::Vec<float, 3>{leaf.corner[i][0][lane], leaf.corner[i][1][lane],
+                                     leaf.corner[i][2][lane]};
+    };
+    return {corner(0), corner(1), corner(2)};
+  }
+  [[gnu::noinline]] bool is_hit(const RayLeaf& leaf, std::uint32_t lane, float limit, float& t) const {
+    // Against the ray's own end, not the nearest hit so far: what rounds to the same t ties.
+    const auto hit = exact_(triangle(leaf, lane), t_max_);
+    if (!hit || hit->t > limit) return false;
+    t = hit->t;
+    return true;
+  }
+
+  WoopTest sheared_;
+  geometry::ExactRay exact_;
+  float off_, t_max_;
+};
+
+}  // namespace treeline::accel::wide

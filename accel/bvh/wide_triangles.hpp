@@ -1,0 +1,277 @@
+// Wide bounding volume hierarchy over triangles: the fastest index here for rays.
+//
+// Eight child boxes a node and eight triangles a leaf, each measured by one pass of vector instructions
+// (Wald, Benthin and Boulos 2008; Ernst and Greiner 2008), children visited in order of distance without a
+// branch on how many were met. Layout, box test, triangle test and traversal are described in
+// wide_triangle_layout.hpp and wide_ray.hpp, the way there in build_binned.hpp and wide_collapse.hpp; any
+// builder of binary trees can take the place of the default. Cost: O(n log n) to build, O(log n) expected per
+// ray, about 50 bytes a triangle, its corners included. Known weakness: float's, for triangles seen edge-on
+// (see wide_ray.hpp); one ray at a time waits for memory at every level where the tree outgrows the caches.
+#pragma once
+
+#include "accel/bvh/build_binned.hpp"
+#include "accel/bvh/triangle_input.hpp"
+#include "accel/bvh/wide_collapse.hpp"
+#include "accel/bvh/wide_exact.hpp"
+#include "accel/bvh/wide_stream.hpp"
+#include "accel/ray_checks.hpp"
+#include "accel/slice.hpp"
+
+namespace treeline::accel {
+
+/// How a batch of rays is worked on; the answers are the same.
+enum class RayBatch {
+  automatic,  ///< streams where the tree is larger than the caches are likely to be
+  singly,     ///< one after the other: for rays that follow each other closely
+  streams     ///< several in flight (wide_stream.hpp): for rays that go anywhere
+};
+
+struct WideTriangleOptions {
+  NonFinite non_finite = NonFinite::refuse;
+  double node_cost = 1;  ///< of a step through a binary node, in leaf tests
+  int threads = 1;       ///< that build; the tree does not depend on it
+};
+
+namespace wide {
+/// Leaf test of a policy.
+template <class Policy>
+struct LeafTestOf;
+template <>
+struct LeafTestOf<geometry::Watertight> {
+  using Type = WoopTest;
+};
+template <>
+struct LeafTestOf<geometry::Exact> {
+  using Type = ExactTest;
+};
+}  // namespace wide
+
+template <class Policy>
+class Bvh<Triangles<float, Policy>, Wide> {
+ public:
+  using Scalar = float;
+  using Point = geometry::Vec<float, 3>;
+  using Box = geometry::Box<float, 3>;
+  using Ray = geometry::Ray<float>;
+  using Triangle = geometry::Triangle<float>;
+  using Options = WideTriangleOptions;
+
+  /// Throw InvalidInput for triangles that are not finite (unless they are to be dropped) or threads < 1.
+  explicit Bvh(std::span<const Triangle> triangles, const Options& options = {})
+      : Bvh(triangles, options, build_binned) {}
+  explicit Bvh(const geometry::Mesh<float>& mesh, const Options& options = {})
+      : Bvh(mesh, options, build_binned) {}
+  /// With another builder: build(std::span<const Triangle>, const BinaryBuildOptions&) gives a BinaryTree.
+  template <class Input, class Build>
+  Bvh(const Input& input, const Options& options, Build&& build)
+      : Bvh(TriangleInput(input, options.non_finite, options.threads), options, build) {}
+
+  Hit<float> closest_hit(const Ray& ray) const {
+    NoWork work;
+    return closest_hit(ray, work);
+  }
+  template <WorkCounter W>
+  Hit<float> closest_hit(const Ray& ray, W& work) const {
+    check_ray(ray);
+    return closest(ray, work);
+  }
+  void closest_hit(std::span<const Ray> rays, std::span<Hit<float>> hits, int threads,
+                   RayBatch how = RayBatch::automatic) const {
+    check_rays(rays, hits.size());
+    parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
+      NoWork work;
+      if (!flies(how))
+        for (std::size_t i = begin; i < end; ++i) hits[i] = closest(rays[i], work);
+      else
+        fly_closest(rays, hits, begin, end);
+    });
+  }
+
+  bool any_hit(const Ray& ray) const {
+    NoWork work;
+    return any_hit(ray, work);
+  }
+  template <WorkCounter W>
+  bool any_hit(const Ray& ray, W& work) const {
+    check_ray(ray);
+    return any(ray, work);
+  }
+  void any_hit(std::span<const Ray> rays, std::span<std::uint8_t> answers, int threads,
+               RayBatch how = RayBatch::automatic) const {
+    check_rays(rays, answers.size());
+    parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
+      NoWork work;
+      if (!flies(how))
+        for (std::size_t i = begin; i < end; ++i) answers[i] = any(rays[i], work) ? 1 : 0;
+      else
+        fly_any(rays, answers, begin, end);
+    });
+  }
+
+  /// Every hit in [t_min, t_max], nearest first, ties by lower id.
+  void all_hits(const Ray& given, std::vector<Hit<float>>& hits) const {
+    check_ray(given);
+    hits.clear();
+    if (tree_.root == wide::no_ref) return;
+    placed(given, [&](const Ray& ray, const Point& centre, int shift) {
+      const wide::BoxRay box_ray(ray, centre, place_.bounds);
+      const Test test(ray, centre, place_.bounds, box_ray.reach);
+      wide::all(tree_.lines.data(), tree_.root, box_ray, test, ray.t_max,
+                [&](const wide::RayLeaf& leaf, std::uint32_t lane, float t) {
+                  hits.push_back(answer(given, shift, test, {t, leaf.id[lane], &leaf, lane}));
+                });
+    });
+    std::sort(hits.begin(), hits.end(), [](const Hit<float>& a, const Hit<float>& b) {
+      return a.t < b.t || (a.t == b.t && a.primitive < b.primitive);
+    });
+    // Spatial splits keep a triangle in several leaves.
+    hits.erase(std::unique(hits.begin(), hits.end()), hits.end());
+  }
+
+  /// Number of triangles kept.
+  std::size_t size() const { return stats_.primitives; }
+  std::size_t bytes() const { return stats_.bytes; }
+  TreeStats stats() const { return stats_; }
+  /// Encloses all triangles; empty if there are none.
+  Box bounds() const {
+    return size() == 0 ? Box{} : Box{place_.to_user(place_.bounds.low), place_.to_user(place_.bounds.high)};
+  }
+  /// The boxes of the leaves.
+  std::vector<SliceCell> slice(int axis, double offset) const;
+
+ private:
+  using Test = typename wide::LeafTestOf<Policy>::Type;
+
+  template <class Build>
+  Bvh(TriangleInput&& input, const Options& options, Build&& build) : place_(input.place()) {
+    BinaryBuildOptions how;
+    how.block = how.largest_leaf = wide::width;
+    how.node_cost = options.node_cost, how.threads = options.threads;
+    const BinaryTree binary = build(input.triangles(), how);
+    tree_ = wide::Collapse(binary, input.triangles(), input.ids(), options.threads).run();
+    count(input);
+  }
+  void count(const TriangleInput& input);
+
+  /// Calls f(ray, centre, shift): the ray moved by -centre is in the tree's space, its t the given ray's
+  /// times 2^shift. As a rule that is the ray as it stands.
+  template <class F>
+  auto placed(const Ray& given, F&& f) const {
+    if (!place_.scale.scales() && TriangleScale<float>::is_comfortable(given))
+      return f(given, place_.centre, 0);
+    int shift;
+    const Ray ray = place_.scale.scaled(given, shift);
+    return f(ray, place_.scaled_centre, shift);
+  }
+  template <class W>
+  Hit<float> closest(const Ray& given, W& work) const {
+    if (tree_.root == wide::no_ref) return {};
+    return placed(given, [&](const Ray& ray, const Point& centre, int shift) {
+      const wide::BoxRay box_ray(ray, centre, place_.bounds);
+      const Test test(ray, centre, place_.bounds, box_ray.reach);
+      wide::NearestHit best{ray.t_max};
+      wide::closest(tree_.lines.data(), tree_.root, box_ray, test, best, work);
+      return answer(given, shift, test, best);
+    });
+  }
+  static Hit<float> answer(const Ray& given, int shift, const Test& test, const wide::NearestHit& best) {
+    Hit<float> hit;
+    if (best.id == no_id) return hit;
+    hit.t = shift == 0 ? best.t : TriangleScale<float>::unscaled_t(best.t, shift, given);
+    hit.primitive = best.id;
+    test.weights(*best.leaf, best.lane, hit.u, hit.v);
+    return hit;
+  }
+  template <class W>
+  bool any(const Ray& given, W& work) const {
+    if (tree_.root == wide::no_ref) return false;
+    return placed(given, [&](const Ray& ray, const Point& centre, int) {
+      const wide::BoxRay box_ray(ray, centre, place_.bounds);
+      return wide::any(tree_.lines.data(), tree_.root, box_ray,
+                       Test(ray, centre, place_.bounds, box_ray.reach), ray.t_max, work);
+    });
+  }
+
+  static constexpr std::size_t cached_bytes = std::size_t{4} << 20;
+  bool flies(RayBatch how) const {
+    return tree_.root != wide::no_ref &&
+           (how == RayBatch::streams || (how == RayBatch::automatic && tree_.lines.bytes() > cached_bytes));
+  }
+  void fly_closest(std::span<const Ray> rays, std::span<Hit<float>> hits, std::size_t begin,
+                   std::size_t end) const {
+    wide::fly<wide::ClosestFlight<Test>>(
+        tree_.lines.data(), begin, end, [&](auto& flight, std::size_t i) { start(flight, rays[i], i); },
+        [&](const auto& flight) {
+          hits[flight.index] = answer(rays[flight.index], flight.shift, flight.test, flight.best);
+        });
+  }
+  void fly_any(std::span<const Ray> rays, std::span<std::uint8_t> answers, std::size_t begin,
+               std::size_t end) const {
+    wide::fly<wide::AnyFlight<Test>>(
+        tree_.lines.data(), begin, end, [&](auto& flight, std::size_t i) { start(flight, rays[i], i); },
+        [&](const auto& flight) { answers[flight.index] = flight.hit ? 1 : 0; });
+  }
+  template <class Flight>
+  void start(Flight& flight, const Ray& given, std::size_t i) const {
+    placed(given, [&](const Ray& ray, const Point& centre, int shift) {
+      flight.start(ray, centre, place_.bounds, tree_.root);
+      flight.index = i, flight.shift = shift;
+    });
+  }
+
+  TriangleInput::Place place_;
+  wide::RayTree tree_;
+  TreeStats stats_;
+};
+
+template <class Policy>
+void Bvh<Triangles<float, Policy>, Wide>::count(const TriangleInput& input) {
+  stats_.primitives = input.triangles().size(), stats_.dropped = input.dropped();
+  stats_.references = tree_.references, stats_.inner_nodes = tree_.nodes, stats_.leaves = tree_.leaves;
+  stats_.depth = tree_.depth, stats_.largest_leaf = tree_.largest_leaf;
+  stats_.bytes = sizeof(*this) + tree_.lines.bytes();
+  stats_.sah_cost = tree_.sah_cost;
+}
+
+template <class Policy>
+std::vector<SliceCell> Bvh<Triangles<float, Policy>, Wide>::slice(int axis, double offset) const {
+  const double factor = static_cast<double>(place_.scale.factor());
+  const SlicePlane<3> plane(axis, (offset - static_cast<double>(place_.centre[axis])) * factor);
+  std::vector<SliceCell> cells;
+  struct Open {
+    wide::Ref ref;
+    Box box;
+    std::size_t depth;
+  };
+  std::vector<Open> open;
+  if (size() > 0) open.push_back({tree_.root, place_.bounds, 0});
+  while (!open.empty()) {
+    const Open o = open.back();
+    open.pop_back();
+    if (!plane.cuts(o.box)) continue;
+    if (wide::is_leaf(o.ref)) {
+      const wide::RayLeaf& leaf = wide::leaf_at(tree_.lines.data(), o.ref);
+      std::size_t triangles = 1;
+      while (triangles < wide::width && leaf.id[triangles] != leaf.id[triangles - 1]) ++triangles;
+      cells.push_back({plane.outline(o.box), o.depth, triangles});
+      continue;
+    }
+    const wide::RayNode& node = wide::node_at(tree_.lines.data(), o.ref);
+    for (int i = 0; i < wide::width && node.child[i] != wide::no_ref; ++i) {
+      Box box;
+      for (int k = 0; k < 3; ++k) box.low[k] = node.plane[k][0][i], box.high[k] = node.plane[k][1][i];
+      open.push_back({node.child[i], box, o.depth + 1});
+    }
+  }
+  cells = scaled(std::move(cells), static_cast<double>(place_.scale.inverse()));
+  const int across[2] = {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2};
+  for (SliceCell& cell : cells)
+    for (auto& corner : cell.outline)
+      for (int i = 0; i < 2; ++i) corner[i] += static_cast<double>(place_.centre[across[i]]);
+  return cells;
+}
+
+static_assert(RayIndex<Bvh<Triangles<float, geometry::Watertight>, Wide>>);
+static_assert(Inspectable<Bvh<Triangles<float, geometry::Watertight>, Wide>>);
+
+}  // namespace treeline::accel

@@ -1,0 +1,233 @@
+"""What only the task ray shows: the figures of its hard cases, the offset that keeps rays off their own surface, and what
+refitting is worth where vertices move."""
+
+import re
+
+import altair as alt
+
+from bench.report import charts
+from bench.report.pieces import esc, glyph
+from bench.report.rows import plain
+from bench.report.stability import columns_of
+from bench.report.units import duration, figure
+
+OFFSET = re.compile(r"offset_(\S+)$")
+FRAME = re.compile(r"frame(\d+)_(refit|rebuilt)$")
+SLOW = ("coincident_2e5", "needles_4e4", "nested_coplanar", "vertex_at_1e25")  # hard for their time, not for their answers
+MANY_ULP = 100
+
+
+def share(value):
+    """Of a million, short enough for a cell: 251k, 8,150, 100."""
+    return f"{value / 1000:.3g}k" if 10_000 <= value < 999_500 else f"{value:,.0f}"
+
+
+def extra(row, name):
+    return row.extra.get(f"{row.task}_{name}")
+
+
+def per_million(name):
+    def value(row):
+        part, whole = extra(row, name), extra(row, "judged")
+        return 1e6 * part / whole if part is not None and whole else None
+
+    return value
+
+
+def leaks(row):
+    return extra(row, "leaks_per_million")
+
+
+def missing(row):
+    return None if leaks(row) is not None else per_million("missing")(row)
+
+
+FIGURES = (("leaks", leaks), ("misses", missing), ("hits that are none", per_million("surplus")),
+           ("t beyond the triangle", per_million("t_outside")))  # fmt: skip
+
+
+def hard_lines(task):
+    """(columns, lines, clean cases): a line is (case, figure, {column: text}, {column: is it bad})."""
+    columns = columns_of(task.rows, task.looks)
+    by_case = {}
+    for row in task.rows:
+        if row.hard and row.query_set == "closest" and row.status in ("ok", "wrong"):
+            by_case.setdefault(row.dataset, []).append(row)
+    lines, clean = [], []
+    for case, rows in by_case.items():
+        before = len(lines)
+
+        def add(words, value, show=share, shown=lambda values: any(values.values()), bad=lambda v: v > 0):
+            values = {}
+            for row in rows:
+                v, column = value(row), columns[row.method, row.configuration[1]]
+                if v is not None:
+                    values[column] = max(v, values.get(column, 0))
+            if values and shown(values):
+                lines.append((case, words, {c: show(v) for c, v in values.items()}, {c: bad(v) for c, v in values.items()}))
+
+        for words, value in FIGURES:
+            add(words, value)
+        add("worst t, ulp", lambda r: extra(r, "t_ulp_max"), show=figure, bad=lambda v: v > MANY_ULP,
+            shown=lambda values: any(v > MANY_ULP for v in values.values()))  # fmt: skip
+        if len(lines) == before:
+            clean.append(case)
+        if case in SLOW:
+            add("time per ray", lambda r: r.query_ns, show=duration, bad=lambda v: False)
+    used = dict.fromkeys(c for _, _, values, _ in lines for c in values)
+    return [c for c in dict.fromkeys(columns.values()) if c in used], lines, clean
+
+
+def hard_table(task):
+    """Per million rays, how often each method errs on each hard case; or nothing where no row has such figures."""
+    columns, lines, clean = hard_lines(task)
+    if not lines:
+        return ""
+    head = "".join(f"<th scope=col><span>{esc(c.label)}</span>{glyph(task.looks[c.method])}</th>" for c in columns)
+    body = []
+    for case, words, values, bad in lines:
+        cells = "".join(f'<td class="{"st-wrong" if bad.get(c) else "st-ok" if c in values else ""}">'
+                        f"{esc(values.get(c, ''))}</td>" for c in columns)  # fmt: skip
+        body.append(f"<tr><th scope=row>{esc(case)} <small>{esc(words)}</small></th>{cells}</tr>")
+    note = f" No method errs on {', '.join(clean)}." if clean else ""
+    return ('<p class="note">Of a million rays, against exact arithmetic and without any allowance for rounding; leaks are '
+            f"rays from inside a closed mesh that met nothing.{esc(note)}</p>"
+            f'<div class="scroll"><table class="matrix figures"><thead><tr><th></th>{head}</tr></thead>'
+            f"<tbody>{''.join(body)}</tbody></table></div>")  # fmt: skip
+
+
+def offset_points(task):
+    """Self-hits by offset, one line a method and build."""
+    columns = columns_of(task.rows, task.looks)
+    for row in task.rows:
+        hits, found = extra(row, "self_hits_per_million"), OFFSET.match(row.query_set or "")
+        if row.hard and hits is not None and found and row.query_set:
+            label = columns[row.method, row.configuration[1]].label
+            yield {"offset": float(found[1]), "hits": hits, "method": row.method, "line": label}
+
+
+LEAST_OFFSET = 3e-9  # where no offset stands on a logarithmic axis
+
+
+def offset_chart(task, width="container"):
+    points = {(p["line"], p["offset"]): p for p in offset_points(task)}  # knobs of queries do not tell
+    if not points:
+        return None
+    values = [p | {"offset": max(p["offset"], LEAST_OFFSET)} for p in points.values()]
+    # Methods mostly agree, so that marks lie on each other: larger ones lie below.
+    order = {name: k for k, name in enumerate(dict.fromkeys(v["line"] for v in values))}
+    for v in values:
+        v["size"] = 30 + 15 * (len(order) - order[v["line"]])
+    used = {m: look for m, look in task.looks.items() if any(v["method"] == m for v in values)}
+    color, shape = charts._scales(used)
+    x = alt.X("offset:Q", scale=alt.Scale(type="log", nice=False, padding=14), axis=alt.Axis(
+        title="offset over the largest coordinate, log", values=[LEAST_OFFSET, 1e-8, 1e-7, 1e-6, 1e-5],
+        labelExpr=f"datum.value < {1.1 * LEAST_OFFSET} ? 'none' : format(datum.value, '.0e')", gridOpacity=0.5))  # fmt: skip
+    y = alt.Y("hits:Q", scale=alt.Scale(type="symlog", constant=100), axis=alt.Axis(
+        title="rays that hit the surface they leave, per million", values=[0, 100, 1e3, 1e4, 1e5, 5e5], format=",d",
+        gridOpacity=0.5))  # fmt: skip
+    base = alt.Chart(alt.Data(values=values)).encode(x=x, y=y, detail="line:N")
+    line = base.mark_line(strokeWidth=1.2, opacity=0.7).encode(stroke=alt.Stroke("method:N", scale=color, legend=None))
+    dots = base.mark_point(strokeWidth=1.4, opacity=0.9).encode(
+        size=alt.Size("size:Q", scale=None, legend=None),
+        stroke=alt.Stroke("method:N", scale=color, legend=None), shape=alt.Shape("method:N", scale=shape, legend=None),
+        tooltip=[alt.Tooltip("line:N", title="method"), alt.Tooltip("hits:Q", format=",.0f", title="per million")])  # fmt: skip
+    return alt.layer(line, dots).properties(width=width, height=260)
+
+
+def offset_note(task):
+    """The smallest offset with which a method's rays hit nothing, by method."""
+    smallest = {}
+    for p in offset_points(task):
+        if p["hits"] == 0:
+            smallest[p["line"]] = min(p["offset"], smallest.get(p["line"], 1))
+    by_offset = {}
+    for line, offset in smallest.items():
+        by_offset.setdefault(offset, []).append(line)
+    texts = (f"{o:g} for {'all' if len(by_offset) == 1 else ', '.join(lines)}" for o, lines in sorted(by_offset.items()))
+    return f"Smallest offset without a self-hit: {'; '.join(texts)}."
+
+
+def moving_pairs(task):
+    """{(dataset, n): {(method, knobs): {frame: {"refit": row, "rebuilt": row}}}} of the first run."""
+    found = {}
+    for row in task.soft:
+        match = FRAME.match(row.query_set or "")
+        if match and row.status in ("ok", "wrong") and row.run == task.runs[0]:
+            key = (row.method, ", ".join(f"{k} {plain(v)}" for k, v in (row.build_knobs or {}).items()))
+            kinds = found.setdefault((row.dataset, row.n), {}).setdefault(key, {}).setdefault(int(match[1]), {})
+            held = kinds.get(match[2])
+            if held is None or row.query_ns < held.query_ns:
+                kinds[match[2]] = row
+    return found
+
+
+def break_even(refit, rebuilt):
+    """Rays a frame from which on building anew is the cheaper: what it takes longer over what it saves a ray."""
+    more = extra(rebuilt, "update_s") - extra(refit, "update_s")
+    less = (refit.query_ns - rebuilt.query_ns) * 1e-9
+    if more <= 0:
+        return "always" if less >= 0 else "never"
+    return f"from {figure(more / less)} rays" if less > 0 else "never"
+
+
+def moving_table(task):
+    """Refit against rebuild, frame by frame; methods without a refit show what a build of theirs costs."""
+    parts = []
+    for (dataset, n), methods in moving_pairs(task).items():
+        lines, seen = [], {method for (method, _), frames in methods.items() if any("refit" in k for k in frames.values())}
+        for (method, knobs), frames in methods.items():
+            if not any("refit" in kinds for kinds in frames.values()):
+                if method in seen:
+                    continue
+                seen.add(method)
+                frames = {max(frames): frames[max(frames)]}  # one build and frame say what a build costs
+            for frame, kinds in sorted(frames.items()):
+                refit, rebuilt = kinds.get("refit"), kinds.get("rebuilt")
+                cells = [duration(1e9 * extra(r, "update_s")) if r else "–" for r in (refit, rebuilt)]
+                cells += [duration(r.query_ns) if r else "–" for r in (refit, rebuilt)]
+                cells.append(break_even(refit, rebuilt) if refit and rebuilt else "no refit")
+                lines.append("<tr>" + "".join(f"<td>{esc(str(c))}</td>" for c in (method, knobs, frame, *cells)) + "</tr>")
+        heads = ("method", "built with", "frame", "refit", "rebuild", "ray after refit", "ray after rebuild", "rebuilding pays")
+        head = "".join(f"<th scope=col>{h}</th>" for h in heads)
+        parts.append(f"<h4>{esc(dataset)}, {n:,} triangles</h4>"
+                     f'<div class="scroll"><table class="plain"><thead><tr>{head}</tr></thead>'
+                     f'<tbody>{"".join(lines)}</tbody></table></div>')  # fmt: skip
+    if not parts:
+        return ""
+    return ('<p class="note">The mesh is twisted, 0.1 rad more from bottom to top each frame. A refit keeps the tree that was '
+            "built over frame 0 and moves its bounds; times of rays are medians, those of updates the best of three.</p>"
+            + "".join(parts))  # fmt: skip
+
+
+def moving_chart(task, width="container"):
+    """Time of a frame against the rays that it casts, refit and rebuild, for methods that have both."""
+    values = []
+    for (dataset, n), methods in moving_pairs(task).items():
+        for (method, knobs), frames in methods.items():
+            for frame, kinds in frames.items():
+                if {"refit", "rebuilt"} <= kinds.keys():
+                    for name, row in kinds.items():
+                        values.append({"frame": frame, "ns": row.query_ns, "kind": name, "method": method, "dataset": dataset,
+                                       "lo": row.query_ns_low or row.query_ns, "hi": row.query_ns_high or row.query_ns,
+                                       "line": f"{dataset}, {method} {name}"})  # fmt: skip
+    if not values:
+        return None
+    base = alt.Chart(alt.Data(values=values)).encode(
+        x=alt.X("frame:Q", scale=alt.Scale(type="log", base=2, nice=False, padding=14),
+                axis=alt.Axis(title="frames after the build", values=[1, 2, 4, 8, 16, 32], format="d", gridOpacity=0.5)),
+        color=alt.Color("line:N", legend=alt.Legend(title=None, orient="top", columns=1, labelLimit=300)))  # fmt: skip
+    y = alt.Axis(title="time per ray", labelExpr=charts.DURATION, gridOpacity=0.5)
+    scale = alt.Scale(zero=True)
+    line = base.mark_line(strokeWidth=1.6).encode(y=alt.Y("ns:Q", axis=y, scale=scale))
+    rule = base.mark_rule(strokeWidth=1.2).encode(y=alt.Y("lo:Q", axis=y, scale=scale), y2="hi:Q")
+    dots = base.mark_point(size=40, filled=True).encode(y=alt.Y("ns:Q", axis=y, scale=scale), tooltip="line:N")
+    return alt.layer(line, rule, dots).properties(width=width, height=240)
+
+
+def chart_list(task):
+    """(id, title, note, chart) of those that there are rows for."""
+    if chart := offset_chart(task):
+        yield f"{task.name}-offset", "Self-intersection: how far off must a ray start?", offset_note(task), chart
+    if chart := moving_chart(task):
+        yield f"{task.name}-moving", "Moving vertices: rays after refit and after rebuild", "", chart
