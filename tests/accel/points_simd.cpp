@@ -1,6 +1,5 @@
 // The wide tree on one instruction set, which this file is compiled for: bit for bit what brute force finds.
-// With
-// --digest it prints a hash of all answers instead, so that the instruction sets can be compared.
+// With --digest it prints a hash of all answers instead, so that the instruction sets can be compared.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -9,23 +8,11 @@
 
 #include "accel/brute_force/points.hpp"
 #include "accel/bvh/wide_points.hpp"
+#include "instruction_set.hpp"
 #include "points_common.hpp"
 
 namespace treeline::accel::test {
 namespace {
-
-bool runs_here() {
-#if TREELINE_SIMD == 512
-  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-         __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq");
-#elif TREELINE_SIMD == 256
-  return __builtin_cpu_supports("avx2");
-#elif TREELINE_SIMD == 128
-  return __builtin_cpu_supports("sse4.1");
-#else
-  return true;
-#endif
-}
 
 /// Everything that a tree answers to the queries, in an order that does not depend on the tree.
 template <class Tree, class T, int D>
