@@ -5,7 +5,9 @@
 // Checks of the input, the choice of a collector, batches and scaling are here, once for all trees. A tree
 // with searches of its own says `searches_itself` and has, all in scaled coordinates:
 //   search_nearest(q, out, work), search_nearest_group(queries, k, out) for at most group_size queries at
-//   once, search_within(q, limit, list, work), search_inside(box, ids, work).
+//   once, search_within(q, limit, list, work), search_inside(box, ids, work);
+// and one that ranks in the wider type itself says `ranks_itself` and has
+//   visit_best(q, best, work) with a BestCandidates.
 #pragma once
 
 #include <span>
@@ -13,9 +15,7 @@
 #include <vector>
 
 #include "accel/batch.hpp"
-#include "accel/k_best.hpp"
-#include "accel/point_set.hpp"
-#include "geometry/tolerances.hpp"
+#include "accel/candidates.hpp"
 
 namespace treeline::accel {
 
@@ -35,7 +35,7 @@ class PointQueries {
   static constexpr int dimension = D;
   using Point = geometry::Vec<T, D>;
   using Box = geometry::Box<T, D>;
-  static constexpr bool searches_itself = false;
+  static constexpr bool searches_itself = false, ranks_itself = false;
   static constexpr bool keeps_each_point_once = true;
 
   // ---- one query: see NeighborIndex -------------------------------------------------------------------
@@ -76,22 +76,34 @@ class PointQueries {
     append_within(q, radius, out, work);
   }
   void within(const Point& q, T radius, const WithinOptions& options, std::vector<Neighbor<T>>& out) const {
+    NoWork work;
+    within(q, radius, options, out, work);
+  }
+  template <WorkCounter W>
+  void within(const Point& q, T radius, const WithinOptions& options, std::vector<Neighbor<T>>& out,
+              W& work) const {
     check_radius(radius);
     check_query(q, "query");
-    const bool ranked = options.sorted || options.at_most != WithinOptions{}.at_most;
-    if (ranked && size() > 0 &&
-        (set_.has_small || set_.scale != T(1) || vague_limit(squared_limit(radius)))) {
-      NoWork work;
-      return rank_within(q, radius, options.at_most, out, work);
+    const bool ranked = options.sorted || options.at_most < size();
+    if (!ranked || size() == 0) return within(q, radius, out, work);
+    const T limit = squared_limit(radius);
+    if (vague_limit(limit) && !std::isinf(radius)) return rank_within(q, radius, options.at_most, out, work);
+    out.clear();
+    const Point scaled = set_.scaled(q);
+    if (options.at_most <= few && options.at_most < size()) {  // no list of all that lie there
+      out.resize(options.at_most);
+      if (out.empty()) return;
+      if constexpr (Tree::searches_itself && Tree::keeps_each_point_once)
+        tree().search_nearest(scaled, {limit}, std::span(out), work);
+      else  // a tree that copies points may search for the nearest in haste
+        collect(scaled, SortedBest<T>(out, limit), {}, work);
+      return out.resize(settle(q, scaled, limit, out, work));
     }
-    within(q, radius, out);
-    if (out.size() > options.at_most) {
-      const auto end = out.begin() + static_cast<std::ptrdiff_t>(options.at_most);
-      std::partial_sort(out.begin(), end, out.end());
-      out.erase(end, out.end());
-    } else if (options.sorted) {
-      std::sort(out.begin(), out.end());
-    }
+    append_scaled(scaled, limit, out, work);
+    const std::size_t wanted = std::min(options.at_most, out.size());
+    std::partial_sort(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(wanted), out.end());
+    out.resize(wanted);
+    settle(q, scaled, limit, out, work);
   }
   /// All at a squared distance of at most radius2, as rounded by squared_distance().
   void within_squared(const Point& q, T radius2, std::vector<Neighbor<T>>& out) const {
@@ -107,9 +119,8 @@ class PointQueries {
     if (size() == 0) return 0;
     if (std::isinf(radius)) return size();
     if (vague_limit(limit)) {
-      std::vector<Neighbor<T>> list;
-      within(q, radius, list);
-      return list.size();
+      NoWork work;
+      return all_within(q, radius, work).size();
     }
     if constexpr (Tree::searches_itself) {
       return tree().count_within_limit(set_.scaled(q), limit);
@@ -231,6 +242,9 @@ class PointQueries {
   TreeStats stats_;
 
  private:
+  using Wide = typename SquareType<T>::Type;
+  static constexpr std::size_t few = 128;  // so many neighbours searches keep without a heap, or nearly so
+
   const Tree& tree() const { return static_cast<const Tree&>(*this); }
   /// The i-th point as the tree keeps it, in scaled coordinates.
   PointEntry<T, D> stored(std::size_t i) const { return set_.entries[i]; }
@@ -249,7 +263,7 @@ class PointQueries {
       collect(scaled, SortedBest<T>(out, limits.within), limits, work);
     else
       collect(scaled, HeapBest<T>(out, limits.within), limits, work);
-    return settle(q, scaled, out, work);
+    return settle(q, scaled, limits.within, out, work);
   }
   template <class Best, class W>
   void collect(const Point& scaled, Best best, const SearchLimits<T>& limits, W& work) const {
@@ -273,37 +287,39 @@ class PointQueries {
       const auto answers = out.subspan(first * k, count * k);
       tree().search_nearest_group(std::span<const Point>(scaled, count), k, limits, answers);
       for (std::size_t i = 0; i < count; ++i)
-        settle(queries[first + i], scaled[i], answers.subspan(i * k, k), work);
+        settle(queries[first + i], scaled[i], limits.within, answers.subspan(i * k, k), work);
     }
   }
   /// From scaled distances to true ones, and from places not taken to empty ones; returns how many were
   /// taken.
   template <class W>
-  std::size_t settle(const Point& q, const Point& scaled, std::span<Neighbor<T>> out, W& work) const {
+  std::size_t settle(const Point& q, const Point& scaled, T within, std::span<Neighbor<T>> out,
+                     W& work) const {
     std::size_t found = out.size();
     while (found > 0 && out[found - 1].id == no_id) out[--found] = {};
     out = out.first(found);
     if (found == 0) return 0;
     if (set_.vague(scaled, out.front().distance2, out.back().distance2)) [[unlikely]]
-      rank_widely(q, out, work);
+      rank_widely(q, within, std::numeric_limits<Wide>::infinity(), out, work);
     else if (set_.scale != T(1))
       for (auto& n : out) n.distance2 = set_.unscaled_square(n.distance2);
     return found;
   }
-  /// Those in `out` are the nearest as far as T can tell; among all that T finds as near, the k best.
+  /// The best by rank (see candidates.hpp) within a squared distance as T sees it and one in the wider type;
+  /// returns how many there are.
   template <class W>
-  void rank_widely(const Point& q, std::span<Neighbor<T>> out, W& work) const {
-    // All that may be as near as the last: two distances that rounding made equal differ by two gammas at
-    // most.
-    const T reach = out.back().distance2 * (1 + 2 * geometry::tolerance::gamma<T>(D + 2));
-    Candidates<T, D> near(set_.wide_scaled(q), std::max(reach, set_.vague_square()));
-    tree().visit_near(set_.scaled(q), near, work);
-    round_distances(near.list);
-    const std::size_t found = std::min(out.size(), near.list.size());
-    std::partial_sort(near.list.begin(), near.list.begin() + static_cast<std::ptrdiff_t>(found),
-                      near.list.end());
-    for (std::size_t i = 0; i < found; ++i)
-      out[i] = {set_.unscaled_square(near.list[i].distance2), near.list[i].id};
+  std::size_t rank_widely(const Point& q, T reach, Wide within, std::span<Neighbor<T>> out, W& work) const {
+    std::vector<Neighbor<Wide>> ranked(out.size());
+    BestCandidates<T, D> best(set_.wide_scaled(q), reach, within, ranked);
+    if constexpr (Tree::ranks_itself)
+      tree().visit_best(set_.scaled(q), best, work);
+    else
+      tree().visit_near(set_.scaled(q), best, work);
+    best.finish();
+    std::size_t found = 0;
+    for (; found < ranked.size() && ranked[found].id != no_id; ++found)
+      out[found] = {set_.unscaled_square(ranked[found].distance2), ranked[found].id};
+    return found;
   }
   T squared_limit(T radius) const {
     const T scaled_radius = radius * set_.scale;
@@ -320,65 +336,69 @@ class PointQueries {
     const auto shrink = std::max(static_cast<T>(1 / (stretch * stretch)), std::numeric_limits<T>::min());
     return {squared_limit(options.max_distance), shrink, options.max_leaves, options.exact()};
   }
-  /// Where T tells distances apart, those that it holds equal are ties, as in any other answer.
-  static void round_distances(std::vector<typename Candidates<T, D>::Candidate>& list) {
-    for (auto& c : list)
-      if (c.distance2 >= PointSet<T, D>::vague_square() && c.distance2 <= std::numeric_limits<T>::max())
-        c.distance2 = static_cast<T>(c.distance2);
+  /// What lies within a radius, ranked in the wider type: in T, or in the user's units, squared distances may
+  /// vanish or overflow.
+  struct WideRadius {
+    T reach;      // squared, as T sees it
+    Wide square;  // no true distance is larger
+  };
+  WideRadius wide_radius(T radius) const {
+    const Wide r = static_cast<Wide>(radius) * static_cast<Wide>(set_.scale);
+    const T limit = squared_limit(radius);
+    if (vague_limit(limit)) return {std::max(limit, set_.vague_square()), r * r};  // T does not tell
+    return {limit, static_cast<Wide>(limit) * (1 + 4 * geometry::tolerance::gamma<T>(D + 2))};
   }
-
-  /// The at_most nearest within a radius, nearest first, ranked in the wider type: in T, or in the user's
-  /// units, squared distances may vanish or overflow.
+  template <class W>
+  std::vector<Neighbor<Wide>> all_within(const Point& q, T radius, W& work) const {
+    const WideRadius r = wide_radius(radius);
+    Candidates<T, D> near(set_.wide_scaled(q), r.reach);
+    tree().visit_near(set_.scaled(q), near, work);
+    std::erase_if(near.list, [&](const auto& c) { return c.distance2 > r.square; });
+    return std::move(near.list);
+  }
+  /// The at_most nearest within a radius, nearest first.
   template <class W>
   void rank_within(const Point& q, T radius, std::size_t at_most, std::vector<Neighbor<T>>& out,
                    W& work) const {
-    using Wide = typename PointSet<T, D>::Wide;
-    const Wide wide_radius = static_cast<Wide>(radius) * static_cast<Wide>(set_.scale);
-    const T limit = squared_limit(radius);
-    const bool vague = vague_limit(limit);  // then T does not tell what lies within
-    Candidates<T, D> near(set_.wide_scaled(q), vague ? std::max(limit, set_.vague_square()) : limit);
-    tree().visit_near(set_.scaled(q), near, work);
-    if (vague)
-      std::erase_if(near.list, [&](const auto& c) { return c.distance2 > wide_radius * wide_radius; });
-    round_distances(near.list);
-    const std::size_t found = std::min(at_most, near.list.size());
-    std::partial_sort(near.list.begin(), near.list.begin() + static_cast<std::ptrdiff_t>(found),
-                      near.list.end());
     out.clear();
-    for (std::size_t i = 0; i < found; ++i)
-      out.push_back({set_.unscaled_square(near.list[i].distance2), near.list[i].id});
+    if (at_most < size()) {
+      out.resize(at_most);
+      return out.resize(out.empty() ? 0 : select_within(q, radius, out, work));
+    }
+    std::vector<Neighbor<Wide>> list = all_within(q, radius, work);
+    for (auto& c : list) c.distance2 = rank_of<T>(c.distance2);
+    std::sort(list.begin(), list.end());
+    for (const auto& c : list) out.push_back({set_.unscaled_square(c.distance2), c.id});
   }
   template <class W>
   std::size_t select_within(const Point& q, T radius, std::span<Neighbor<T>> out, W& work) const {
-    std::vector<Neighbor<T>> list;
-    rank_within(q, radius, out.size(), list, work);
-    std::copy(list.begin(), list.end(), out.begin());
-    return list.size();
+    const WideRadius r = wide_radius(radius);
+    return rank_widely(q, r.reach, r.square, out, work);
   }
   template <class W>
   void append_within(const Point& q, T radius, std::vector<Neighbor<T>>& out, W& work) const {
     if (size() == 0) return;
-    const std::size_t before = out.size();
     const T limit = squared_limit(radius);
     if (vague_limit(limit) && !std::isinf(radius)) [[unlikely]] {
-      using Wide = typename PointSet<T, D>::Wide;
-      const Wide wide_radius = static_cast<Wide>(radius) * static_cast<Wide>(set_.scale);
-      Candidates<T, D> near(set_.wide_scaled(q), std::max(limit, set_.vague_square()));
-      tree().visit_near(set_.scaled(q), near, work);
-      for (const auto& c : near.list)
-        if (c.distance2 <= wide_radius * wide_radius)
-          out.push_back({set_.unscaled_square(c.distance2), c.id});
+      for (const auto& c : all_within(q, radius, work))
+        out.push_back({set_.unscaled_square(c.distance2), c.id});
       return;
     }
-    if constexpr (Tree::searches_itself) {
-      tree().search_within(set_.scaled(q), limit, out, work);
-    } else {
-      WithinRadius<T> visitor(limit, out);
-      tree().visit_near(set_.scaled(q), visitor, work);
-    }
+    const std::size_t before = out.size();
+    append_scaled(set_.scaled(q), limit, out, work);
     if (set_.scale != T(1))
       for (std::size_t i = before; i < out.size(); ++i)
         out[i].distance2 = set_.unscaled_square(out[i].distance2);
+  }
+  /// With distances in scaled coordinates.
+  template <class W>
+  void append_scaled(const Point& scaled, T limit, std::vector<Neighbor<T>>& out, W& work) const {
+    if constexpr (Tree::searches_itself) {
+      tree().search_within(scaled, limit, out, work);
+    } else {
+      WithinRadius<T> visitor(limit, out);
+      tree().visit_near(scaled, visitor, work);
+    }
   }
   template <class W>
   void append_inside(const Box& box, std::vector<Id>& out, W& work) const {

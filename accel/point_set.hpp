@@ -6,8 +6,8 @@
 // which is exact but for coordinates that underflow. The scale is that of a typical point, so that one far
 // outlier does not make the distances among all others vanish. Squares span only so much: where a query's
 // distances overflow or vanish nevertheless (from far away, or in a cloud of parts of very different size),
-// all points that T cannot tell apart are ranked in a wider type, see Candidates. What remains: coordinates
-// 2^180 times smaller than the largest (float; 2^1500 for double) may lose digits.
+// all points that T cannot tell apart are ranked in a wider type, see candidates.hpp. What remains:
+// coordinates 2^180 times smaller than the largest (float; 2^1500 for double) may lose digits.
 #pragma once
 
 #include <algorithm>
@@ -98,39 +98,6 @@ struct PointLeaf {
   bool coincident;
 };
 
-/// A visitor that takes all points within a squared distance as T sees it, and measures them in a wider type.
-/// Every tree offers it the same points, so that answers do not depend on the tree.
-template <class T, int D>
-class Candidates {
- public:
-  using Wide = typename SquareType<T>::Type;
-  struct Candidate {
-    Wide distance2;
-    Id id;
-    bool operator<(const Candidate& o) const {
-      return distance2 < o.distance2 || (distance2 == o.distance2 && id < o.id);
-    }
-  };
-  std::vector<Candidate> list;
-
-  /// The query in scaled coordinates, neither rounded nor held.
-  Candidates(const geometry::Vec<Wide, D>& query, T limit) : query_(query), limit_(limit) {}
-  T limit() const { return limit_; }
-  void offer(const PointEntry<T, D>& e, T distance2) {
-    if (!(distance2 <= limit_)) return;
-    Wide sum = 0;
-    for (int a = 0; a < D; ++a) {
-      const Wide d = static_cast<Wide>(e.point[a]) - query_[a];
-      sum += d * d;
-    }
-    list.push_back({sum, e.id});
-  }
-
- private:
-  geometry::Vec<Wide, D> query_;
-  T limit_;
-};
-
 template <class T, int D>
 struct PointSet {
   static constexpr std::size_t largest_size = (std::size_t{1} << 31) - 1;  // 32 bits then number nodes, too
@@ -205,15 +172,18 @@ struct PointSet {
   }
   static T vague_square() { return std::ldexp(T(1), vague_exponent<T>); }
 
-  /// Offers the points of a leaf to a visitor; visitor.offer(distance², id) says whether it took the point.
+  /// Offers the points of a leaf to a visitor; visitor.offer(distance², id), or visitor.offer(entry,
+  /// distance²), says whether it took the point.
   template <class Visitor, class W>
   void offer(const PointLeaf& leaf, const Point& q, Visitor& visitor, W& work) const {
     const PointEntry<T, D>* e = entries.data() + leaf.first;
     const PointEntry<T, D>* const end = e + leaf.count;
     if constexpr (requires { visitor.offer(*e, T(0)); }) {
-      work.primitive(leaf.count);
-      for (; e != end; ++e) visitor.offer(*e, squared_distance(e->point, q));
-      return;
+      for (; e != end; ++e) {
+        work.primitive();
+        // Of equal points those that follow one not taken come later in order of id.
+        if (!visitor.offer(*e, squared_distance(e->point, q)) && leaf.coincident) return;
+      }
     } else {
       if constexpr (requires { visitor.enter_leaf(); }) visitor.enter_leaf();
       if (leaf.coincident) {

@@ -12,6 +12,7 @@
 #pragma once
 
 #include "accel/bvh/wide_double_search.hpp"
+#include "accel/bvh/wide_rank.hpp"
 #include "accel/point_build.hpp"
 #include "accel/point_queries.hpp"
 #include "accel/slice.hpp"
@@ -33,7 +34,7 @@ class Bvh<Points<T, D>, Wide> : public PointQueries<Bvh<Points<T, D>, Wide>, T, 
   using typename Base::Box;
   using typename Base::Point;
   using Options = WidePointOptions;
-  static constexpr bool searches_itself = true;
+  static constexpr bool searches_itself = true, ranks_itself = true;
   static constexpr std::size_t group_size = 8;
 
   /// Throws InvalidInput for points that are not finite (unless they are to be dropped), more points than ids
@@ -65,6 +66,11 @@ class Bvh<Points<T, D>, Wide> : public PointQueries<Bvh<Points<T, D>, Wide>, T, 
   void search_inside(const Box& box, std::vector<Id>& out, W& work) const;
   template <class Visitor, class W>
   void visit_near(const Point& q, Visitor& visitor, W& work) const;
+
+  template <class W>
+  void visit_best(const Point& q, BestCandidates<T, D>& best, W& work) const {
+    if (this->size() > 0) wide::Ranking<D, T, W>(tree_, q, best, work).run();
+  }
 
   template <class F>
   static void with_collector(std::size_t k, F&& f);
@@ -146,7 +152,8 @@ void Bvh<Points<T, D>, Wide>::search_from(const wide::Query<D, T>& q, wide::Path
     if (limits.exact)
       wide::search<true>(tree_, q, path, best, {}, work);
     else
-      wide::search<false>(tree_, q, path, best, {wide::shrink_of(limits), limits.leaves}, work);
+      wide::search<false>(tree_, q, path, best, {wide::shrink_of(limits), limits.leaves},
+                          work);
     if constexpr (std::is_same_v<T, float>)
       best.write(out);
     else

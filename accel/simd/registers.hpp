@@ -54,6 +54,10 @@ inline double opaque(double x) {
 #endif
   return x;
 }
+inline long double opaque(long double x) {
+  asm("" : "+m"(x));
+  return x;
+}
 
 // max(a, b) and min(a, b) return b where either is NaN, as the machine's do. bits(…) has one bit a lane.
 

@@ -32,7 +32,15 @@ struct AnyTree {
   virtual ~AnyTree() = default;
   virtual std::size_t nearest(const Point&, std::size_t k, std::span<Found>) const = 0;
   virtual std::size_t nearest(const Point&, std::size_t k, std::span<Found>, Work&) const = 0;
+  virtual std::size_t nearest(const Point&, std::size_t k, const NearestOptions<T>&, std::span<Found>,
+                              Work&) const = 0;
+  std::size_t nearest(const Point& q, std::size_t k, const NearestOptions<T>& options,
+                      std::span<Found> out) const {
+    Work work;
+    return nearest(q, k, options, out, work);
+  }
   virtual void within(const Point&, T radius, std::vector<Found>&) const = 0;
+  virtual void within(const Point&, T radius, const WithinOptions&, std::vector<Found>&, Work&) const = 0;
   virtual void inside(const Box&, std::vector<Id>&) const = 0;
   virtual void nearest(std::span<const Point>, std::size_t k, std::span<Found>, int threads) const = 0;
   virtual void within(std::span<const Point>, T radius, Lists<Found>&, int threads) const = 0;

@@ -29,8 +29,16 @@ struct Wrapped final : AnyTree<T, D> {
   std::size_t nearest(const Point& q, std::size_t k, std::span<Found> out, Work& work) const override {
     return tree.nearest(q, k, out, work);
   }
+  std::size_t nearest(const Point& q, std::size_t k, const NearestOptions<T>& options, std::span<Found> out,
+                      Work& work) const override {
+    return tree.nearest(q, k, options, out, work);
+  }
   void within(const Point& q, T radius, std::vector<Found>& out) const override {
     tree.within(q, radius, out);
+  }
+  void within(const Point& q, T radius, const WithinOptions& options, std::vector<Found>& out,
+              Work& work) const override {
+    tree.within(q, radius, options, out, work);
   }
   void inside(const Box& box, std::vector<Id>& out) const override { tree.inside(box, out); }
   void nearest(std::span<const Point> q, std::size_t k, std::span<Found> out, int threads) const override {
