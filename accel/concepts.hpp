@@ -137,8 +137,9 @@ template <class T>
 struct NearestOptions {
   T max_distance = std::numeric_limits<T>::infinity();  ///< nothing farther is returned; inclusive
   double epsilon = 0;  ///< the i-th distance is at most (1 + epsilon) times the true i-th, up to rounding
-  std::size_t max_leaves =
-      static_cast<std::size_t>(-1);  ///< leaves measured, at least 1; no bound on the error
+  /// Leaves measured, at least 1; no bound on the error. With a finite max_distance a search that has used
+  /// them up ends with what it has found; without one it goes on until it has found k.
+  std::size_t max_leaves = static_cast<std::size_t>(-1);
 
   bool exact() const { return epsilon == 0 && max_leaves == static_cast<std::size_t>(-1); }
 };

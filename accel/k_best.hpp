@@ -68,19 +68,23 @@ class HeapBest {
   std::span<Neighbor<T>> best_;
 };
 
-/// Cuts a search short: cells that promise less than the factor's gain, and all once the leaves are used up.
+/// Cuts a search short: cells that promise less than the factor's gain, and all once the leaves are used up,
+/// though not before there are k if it `fills`.
 template <class T, class Best>
 class Hasty {
  public:
-  Hasty(Best& best, T shrink, std::size_t leaves) : best_(best), shrink_(shrink), leaves_(leaves) {}
-  T limit() const { return leaves_ == 0 && best_.full() ? T(-1) : best_.limit() * shrink_; }
+  Hasty(Best& best, T shrink, std::size_t leaves, bool fills)
+      : best_(best), shrink_(shrink), leaves_(leaves), fills_(fills) {}
+  T limit() const { return leaves_ == 0 && (!fills_ || best_.full()) ? T(-1) : best_.limit() * shrink_; }
   bool offer(T distance2, Id id) { return best_.offer(distance2, id); }
   void enter_leaf() { leaves_ -= leaves_ > 0; }
+  std::size_t leaves_left() const { return leaves_; }
 
  private:
   Best& best_;
   T shrink_;  // of the squared distance
   std::size_t leaves_;
+  bool fills_;
 };
 
 template <class T>

@@ -26,6 +26,9 @@ struct SearchLimits {
   T shrink = 1;  // cells farther than the worst found so far times this are left out
   std::size_t leaves = static_cast<std::size_t>(-1);
   bool exact = true;
+
+  /// Whether there are k to find however few leaves are left, since nothing is too far away.
+  bool fills() const { return std::isinf(within); }
 };
 
 template <class Tree, class T, int D>
@@ -270,7 +273,7 @@ class PointQueries {
     if (limits.exact) {
       tree().visit_near(scaled, best, work);
     } else {
-      Hasty<T, Best> hasty(best, limits.shrink, limits.leaves);
+      Hasty<T, Best> hasty(best, limits.shrink, limits.leaves, limits.fills());
       tree().visit_near(scaled, hasty, work);
     }
     best.finish();

@@ -236,6 +236,7 @@ template <class T, int D>
 template <class W>
 void SpillTree<Points<T, D>>::search_nearest(const Point& q, const SearchLimits<T>& limits,
                                              std::span<Neighbor<T>> out, W& work) const {
+  std::size_t leaves = limits.leaves;
   const auto collect = [&](auto best, bool defeatist) {
     const auto visit_with = [&](auto& visitor) {
       defeatist ? visit<true>(q, visitor, work) : visit<false>(q, visitor, work);
@@ -243,8 +244,9 @@ void SpillTree<Points<T, D>>::search_nearest(const Point& q, const SearchLimits<
     if (limits.exact) {
       visit_with(best);
     } else {
-      Hasty<T, decltype(best)> hasty(best, limits.shrink, limits.leaves);
+      Hasty<T, decltype(best)> hasty(best, limits.shrink, leaves, limits.fills());
       visit_with(hasty);
+      leaves = hasty.leaves_left();
     }
     best.finish();
   };
@@ -254,7 +256,7 @@ void SpillTree<Points<T, D>>::search_nearest(const Point& q, const SearchLimits<
       collect(SortedBest<T>(out, limits.within), defeatist);
     else
       collect(HeapBest<T>(out, limits.within), defeatist);
-    if (out.back().id != no_id) return;
+    if (out.back().id != no_id || (leaves == 0 && !limits.fills())) return;
   }
 }
 

@@ -152,7 +152,7 @@ void Bvh<Points<T, D>, Wide>::search_from(const wide::Query<D, T>& q, wide::Path
     if (limits.exact)
       wide::search<true>(tree_, q, path, best, {}, work);
     else
-      wide::search<false>(tree_, q, path, best, {wide::shrink_of(limits), limits.leaves},
+      wide::search<false>(tree_, q, path, best, {wide::shrink_of(limits), limits.leaves, limits.fills()},
                           work);
     if constexpr (std::is_same_v<T, float>)
       best.write(out);

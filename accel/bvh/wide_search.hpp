@@ -215,6 +215,7 @@ template <int D, class Best>
 struct Effort {
   float shrink = 1;  // boxes farther than the limit times this are left out
   std::size_t leaves = static_cast<std::size_t>(-1);
+  bool fills = true;  // goes on until there are k
 };
 
 /// From the first leaf, where `path` leads, to all others that matter.
@@ -267,7 +268,7 @@ template <bool exact, int D, class T, class Best, class W>
       if constexpr (!exact) {
         if (effort.leaves > 1)
           --effort.leaves;
-        else if (best.last_id() != no_id)
+        else if (!effort.fills || best.last_id() != no_id)
           return;
       }
       take(child);

@@ -112,7 +112,7 @@ TYPED_TEST(PointOptions, BatchesAnswerAsSingleQueriesDo) {
     const auto queries = queries_for<T, 3>(cloud.points);
     for (const NearestOptions<T>& options :
          {NearestOptions<T>{.max_distance = T(0.05)}, NearestOptions<T>{.epsilon = 0.5},
-          NearestOptions<T>{.max_leaves = 2}}) {
+          NearestOptions<T>{.max_leaves = 2}, NearestOptions<T>{.max_distance = T(0.3), .max_leaves = 2}}) {
       std::vector<Neighbor<T>> batch(queries.size() * 6), one(6);
       tree.nearest(queries, 6, options, batch, 2);
       for (std::size_t i = 0; i < queries.size(); ++i) {
