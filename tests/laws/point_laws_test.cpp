@@ -108,6 +108,41 @@ TYPED_TEST_P(PointLaws, EqualBruteForce) {
   EXPECT_TRUE(ok);
 }
 
+// Deep enough that the wide tree has inner nodes below inner nodes, which small clouds do not.
+TYPED_TEST_P(PointLaws, EqualBruteForceOnCloudsOfThousands) {
+  using T = typename TypeParam::Scalar;
+  using Maker = CloudMaker<T, TypeParam::dimension>;
+  for (int kind = 0; kind < int(Maker::kinds); ++kind) {
+    SCOPED_TRACE(kind);
+    Maker make{Pcg32(static_cast<std::uint64_t>(kind) + 1), static_cast<typename Maker::Kind>(kind)};
+    const auto points = make.points(5000);
+    const TypeParam tree(points);
+    const typename PrimitivesOf<TypeParam>::Brute brute(points);
+    for (int i = 0; i < 12; ++i) {
+      const auto q = make.query(points), corner = make.query(points);
+      for (const std::size_t k : {1u, 12u, 30u, 90u, 400u}) {
+        std::vector<Neighbor<T>> mine(k), truth(k);
+        ASSERT_EQ(tree.nearest(q, k, mine), k);
+        brute.nearest(q, k, truth);
+        ASSERT_EQ(mine, truth) << "k " << k;
+        const T radius = std::sqrt(truth.back().distance2);
+        tree.within(q, radius, mine), brute.within(q, radius, truth);
+        std::sort(mine.begin(), mine.end()), std::sort(truth.begin(), truth.end());
+        ASSERT_EQ(mine, truth) << "radius " << radius;
+        ASSERT_EQ(tree.count_within(q, radius), truth.size());
+      }
+      typename TypeParam::Box box;
+      box.grow(q), box.grow(corner);
+      std::vector<Id> inside, expected;
+      tree.inside(box, inside);
+      std::sort(inside.begin(), inside.end());
+      for (Id id = 0; id < points.size(); ++id)
+        if (box.contains(points[id])) expected.push_back(id);
+      ASSERT_EQ(inside, expected);
+    }
+  }
+}
+
 TYPED_TEST_P(PointLaws, TheKthDistanceNeverShrinksAsKGrows) {
   const bool ok = rc::check([] {
     Scene<TypeParam> scene;
@@ -174,8 +209,8 @@ TYPED_TEST_P(PointLaws, AnswersDoNotDependOnThreadsOrBatches) {
   }
 }
 
-REGISTER_TYPED_TEST_SUITE_P(PointLaws, NearestAreNearest, EqualBruteForce, TheKthDistanceNeverShrinksAsKGrows,
-                            AnswersDoNotDependOnThreadsOrBatches);
+REGISTER_TYPED_TEST_SUITE_P(PointLaws, NearestAreNearest, EqualBruteForce, EqualBruteForceOnCloudsOfThousands,
+                            TheKthDistanceNeverShrinksAsKGrows, AnswersDoNotDependOnThreadsOrBatches);
 using Float3 = Trees<Points<float, 3>>;
 using Float2 = Trees<Points<float, 2>>;
 using Double3 = Trees<Points<double, 3>>;
