@@ -37,10 +37,16 @@ std::string broken_limit(const Row& row, double tolerance) {
   return "";
 }
 
+/// Whether the claim holds for queries that were not measured. A bound by epsilon allows for errors, whether
+/// or not this sample has any.
+bool promises(const Row& row) {
+  const bool by_epsilon = row.query_knobs.contains("epsilon") && row.query_knobs.at("epsilon") != 0;
+  return row.claim == Claim::exact || (row.claim == Claim::bounded && !by_epsilon);
+}
+
 /// Why a rung whose measured errors all meet the tolerance may not be advised; empty: it may.
 std::string unpromised_limit(const Row& row, double tolerance) {
-  const bool promises = row.claim == Claim::exact || row.claim == Claim::bounded;
-  if (promises || tolerance > row.errors.floor.value_or(0)) return "";
+  if (promises(row) || tolerance > row.errors.floor.value_or(0)) return "";
   return fmt::format("its claim is {}: no error on these queries of {} promises none on others",
                      to_string(row.claim), row.query_set);
 }

@@ -2,7 +2,8 @@
 // error meets the tolerance on every query set, and why the next cheaper one does not.
 //
 // Whoever allows no error beyond the truth's own asks for a promise. Methods that claim to be approximate or
-// stochastic give none, however well they did on the queries at hand, and are not advised then.
+// stochastic, or bound their error by an epsilon, give none, however well they did on the queries at hand,
+// and are not advised then.
 #pragma once
 
 #include <optional>

@@ -1,8 +1,8 @@
 """The charts, as Altair draws them. Each is built once and used twice: in the page, which feeds it rows by name, and
 as static SVG and PNG, which carry their own.
 
-A point's fields: i (row), method, x, lo, hi (ns per query), y (pixel, from layout.py), front, slot, n,
-build (ns per element), bytes (per element).
+A point's fields: i (row), method, x, lo, hi (ns per query), y (pixel, from layout.py), front, promise (its claim holds
+for other queries, too), slot, n, build (ns per element), bytes (per element).
 """
 
 import altair as alt
@@ -22,6 +22,7 @@ def _round(axis):
 
 
 DIM = 0.5
+UNPROMISED = "approximate; exact on this sample"
 LEAST = 0.1  # bytes per element, and ns of building: zero has no place on a logarithmic axis
 INK, FAINT = "currentColor", "#8884"
 
@@ -103,8 +104,12 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
     told = DURATION.replace("datum.value", "datum.x").replace("'~g'", "'.3~g'")
     front = timed.transform_filter("datum.front").transform_calculate(time=told)
     lane = front.transform_filter(f"datum.y >= {layout.exact_start}")
-    layers.append(lane.mark_text(align="left", dx=9, dy=-7, fontSize=10, fontWeight="bold", fill=INK, opacity=_pick("1"))
+    layers.append(lane.transform_filter("datum.promise")
+                  .mark_text(align="left", dx=9, dy=-7, fontSize=10, fontWeight="bold", fill=INK, opacity=_pick("1"))
                   .encode(x=x, y=y, text="time:N"))  # fmt: skip
+    by_luck = lane.transform_filter("!datum.promise").transform_calculate(note=f"datum.time + ', {UNPROMISED}'")
+    layers.append(by_luck.mark_text(align="left", dx=9, dy=-7, fontSize=10, fontStyle="italic", fill=INK,
+                                    opacity=_pick("0.85")).encode(x=x, y=y, text="note:N"))  # fmt: skip
     if layout.field:
         top, bottom, _, _ = layout.field
         # A name reaches over that of the next mark, where it is near (in pixels): then it is left to the tooltip.

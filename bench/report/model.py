@@ -3,7 +3,7 @@
 from collections import Counter
 
 from bench.report import charts, tasks
-from bench.report.frontier import charted, shown_error
+from bench.report.frontier import charted, promises, shown_error
 from bench.report.layout import Layout, marks
 from bench.report.palette import looks
 from bench.report.rows import knob_text
@@ -12,7 +12,8 @@ from bench.report.units import figure
 TEXT = ("task", "dataset", "set", "method", "build", "query", "status", "reason", "claim", "source", "version", "extra")
 COLUMNS = TEXT + (
     "size", "n", "run", "threads", "ns", "lo", "hi", "cpu", "reps", "build_s", "bytes", "error", "error_max",
-    "error_p99", "error_mean", "bias", "floor", "nodes", "leaves", "primitives", "recall", "front", "best", "y", "slot",
+    "error_p99", "error_mean", "bias", "floor", "nodes", "leaves", "primitives", "recall", "front", "promise", "best",
+    "y", "slot",
 )  # fmt: skip
 
 
@@ -123,7 +124,7 @@ def table(models):
                 r.size, r.n, r.run, r.threads, r.query_ns, r.query_ns_low, r.query_ns_high, r.query_cpu_ns,
                 len(r.samples or ()), r.build_s, r.bytes, r.error, r.error_max, r.error_p99, r.error_mean, r.bias,
                 r.error_floor, nodes, extra(r, "leaves"), primitives, extra(r, "recall"), int(id(r) in front),
-                int(id(r) in best), y_of(task, r), slots.get(id(r)),
+                int(promises(r)), int(id(r) in best), y_of(task, r), slots.get(id(r)),
             ])  # fmt: skip
     return {
         "columns": COLUMNS,
@@ -142,7 +143,7 @@ def points(task, rows):
             "i": i, "method": r.method, "x": r.query_ns,
             "lo": r.query_ns if r.query_ns_low is None else r.query_ns_low,
             "hi": r.query_ns if r.query_ns_high is None else r.query_ns_high,
-            "y": task.layouts[r.dataset].y(r), "front": id(r) in front, "best": id(r) in best,
+            "y": task.layouts[r.dataset].y(r), "front": id(r) in front, "promise": promises(r), "best": id(r) in best,
             "slot": slots.get(id(r)), "n": r.n,
             "build": max(r.build_s * 1e9 / r.n, charts.LEAST) if r.build_s is not None and r.n else None,
             "bytes": max(r.bytes / r.n, charts.LEAST) if r.bytes is not None and r.n else None,

@@ -127,6 +127,15 @@ TEST(Advice, BelowTheFloorOnlyAClaimWillDo) {
   }
 }
 
+TEST(Advice, ABoundByEpsilonPromisesNoExactAnswers) {
+  Row row = rung_row("m", "a", 1, 0);
+  row.claim = Claim::bounded, row.query_knobs = {{"epsilon", 0.5}};
+  EXPECT_EQ(chosen(advise(FakeTask(), {row}, {"a"}, 0)), "");
+  EXPECT_EQ(chosen(advise(FakeTask(), {row}, {"a"}, 1e-9)), "m");
+  row.query_knobs = {{"epsilon", 0.0}};
+  EXPECT_EQ(chosen(advise(FakeTask(), {row}, {"a"}, 0)), "m");
+}
+
 TEST(Advice, SaysThatAClaimIsTooWeakUnlessAnErrorSaysMore) {
   std::vector<Row> rows{rung_row("m", "a", 1, 0), rung_row("m", "b", 1, 0)};
   for (Row& row : rows) row.claim = Claim::stochastic;

@@ -71,6 +71,16 @@ class Frontier(unittest.TestCase):
             unbeaten = {id(b) for b in found if not any(frontier.beats(a, b) for a in found)}
             self.assertEqual({id(r) for r in frontier.frontier(found)}, unbeaten)
 
+    def test_no_error_by_luck_does_not_beat_a_promise(self):
+        """Both are on the frontier, and the one that promises nothing says so."""
+        epsilon = made(("m", "bvh", "ours", "bounded"), 20, 0, query={"epsilon": 0.5})
+        found = list(read(made(LOOSE, 10, 0), epsilon, made(METHOD, 50, 0), made(PEER, 60, 0),
+                          made(LOOSE, 55, 0, build={"slow": 1})))  # fmt: skip
+        self.assertEqual([r.query_ns for r in frontier.frontier(found)], [10, 50])
+        self.assertEqual([frontier.promises(r) for r in found], [False, False, True, True, False])
+        (task,) = model.task_models(found)
+        self.assertEqual([p["promise"] for p in model.points(task, found)], [False, False, True, True, False])
+
     def test_failed_rows_are_never_on_it(self):
         found = list(
             read(made(METHOD, 50, 0), made(PEER, 1, 0, status="wrong"), made(LOOSE, None, None, status="crashed"))
@@ -168,6 +178,9 @@ class Advice(unittest.TestCase):
                 told = ("kd_tree", ("k8", f"its claim is {claim}", None)) if weak else ("m", None)
                 self.assertEqual((best.method, limit), told)
             self.assertEqual(advice.advise(ladder, 2e-7)[0].method, "m")
+        epsilon = made(("m", "bvh", "ours", "bounded"), 10, query={"epsilon": 0.5})
+        for tolerance, method in ((0, "kd_tree"), (2e-7, "m")):  # a bound of one half is no promise of no error
+            self.assertEqual(advice.advise(self.ladder(epsilon, made(METHOD, 90)), tolerance)[0].method, method)
         best, below, limit = advice.advise(
             self.ladder(made(LOOSE, 10), made(LOOSE, 10, 0.2, query_set="box"), sets=("k8", "box")), 0)  # fmt: skip
         self.assertEqual((best, limit), (None, ("box", "error", 0.2)))  # an error says more than the claim
