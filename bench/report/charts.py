@@ -2,7 +2,7 @@
 as static SVG and PNG, which carry their own.
 
 A point's fields: i (row), method, x, lo, hi (ns per query), y (pixel, from layout.py), front, promise (its claim holds
-for other queries, too), slot, n, build (ns per element), bytes (per element).
+for other queries, too), slot, n, note (why a lane without any is empty), build (ns per element), bytes (per element).
 """
 
 import altair as alt
@@ -110,6 +110,9 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
     by_luck = lane.transform_filter("!datum.promise").transform_calculate(note=f"datum.time + ', {UNPROMISED}'")
     layers.append(by_luck.mark_text(align="left", dx=9, dy=-7, fontSize=10, fontStyle="italic", fill=INK,
                                     opacity=_pick("0.85")).encode(x=x, y=y, text="note:N"))  # fmt: skip
+    empty = base.transform_filter("isValid(datum.note)")
+    layers.append(empty.mark_text(align="left", x=6, fontSize=9, fontStyle="italic", fill=INK, opacity=0.55)
+                  .encode(y=y, text="note:N"))  # fmt: skip
     if layout.field:
         top, bottom, _, _ = layout.field
         # A name reaches over that of the next mark, where it is near (in pixels): then it is left to the tooltip.
@@ -158,10 +161,11 @@ def scaling_chart(data, looks, element, query, legend=False, width="container", 
     return chart.properties(width=width, height=height)
 
 
-def speedup_chart(data, most, methods, looks, legend=False, width="container"):
-    """How many times faster several threads are than one: a lane a method, a mark a number of threads (at its end)."""
+def speedup_chart(data, reach, methods, looks, legend=False, width="container"):
+    """How many times faster several threads are than one: a lane a method, a mark a number of threads (at its end).
+    reach: the largest figure that is drawn; its label has room beside it."""
     color, _ = _scales(looks)
-    scale = alt.Scale(domain=[0, 1.45 * most], nice=False)
+    scale = alt.Scale(domain=[0, 1.35 * reach], nice=False)
     x = alt.X("speedup:Q", scale=scale,
               axis=alt.Axis(title="times one thread's speed", tickMinStep=1, gridOpacity=0.5))  # fmt: skip
     y = alt.Y("method:N", sort=list(methods), scale=alt.Scale(domain=list(methods)),

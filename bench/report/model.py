@@ -4,7 +4,7 @@ from collections import Counter
 
 from bench.report import charts, tasks
 from bench.report.frontier import charted, promises, shown_error
-from bench.report.layout import Layout, marks
+from bench.report.layout import NOTE_MOST, Layout, marks
 from bench.report.palette import looks
 from bench.report.rows import knob_text
 from bench.report.units import figure
@@ -129,6 +129,7 @@ def table(models):
     return {
         "columns": COLUMNS,
         "least": charts.LEAST,
+        "note_most": NOTE_MOST,
         "text_columns": len(TEXT),
         "strings": list(strings),
         "rows": lines,

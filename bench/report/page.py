@@ -24,8 +24,10 @@ def build(rows, pictures, title="Treeline: speed against accuracy"):
         cards = series.cards(task, numbers)
         listed = list(model.chart_list(task))
         for name, kind, dataset, chart in listed:
-            spec = charts.theme(chart).to_dict()
-            data["charts"].append({"id": name, "kind": kind, "task": task.name, "dataset": dataset, "spec": spec})
+            entry = {"id": name, "kind": kind, "task": task.name, "dataset": dataset, "spec": charts.theme(chart).to_dict()}
+            if kind == "frontier":
+                entry["lanes"] = task.layouts[dataset].lanes
+            data["charts"].append(entry)
         for figure in (f for card in cards for f in card.figures):
             data["charts"].append({"id": figure.name, "kind": "fixed", "task": task.name, "dataset": figure.dataset,
                                    "title": figure.title, "spec": charts.theme(figure.chart).to_dict()})  # fmt: skip

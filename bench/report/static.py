@@ -7,6 +7,7 @@ import altair as alt
 import vl_convert
 
 from bench.report import charts, rays, series, stability
+from bench.report.layout import lane_notes
 from bench.report.model import points
 from bench.report.units import count
 
@@ -39,7 +40,8 @@ def _charts(task):
             title = f"{dataset}, {count(size)} {task.text.element}s, {query_set}"
             name = _file_name(task.name, dataset, query_set)
             if shown:
-                chart = charts.frontier_chart(_data(task, shown), task.layouts[dataset], _used(task, shown),
+                notes = lane_notes(task.layouts[dataset], [r for r in here if r.size == size])
+                chart = charts.frontier_chart(_data(task, shown, notes), task.layouts[dataset], _used(task, shown),
                                               task.text.query, task.text.error, True, 460)  # fmt: skip
                 yield f"{name}-frontier", chart.properties(title=title)
             best = [(r, p) for r, p in zip(here, points(task, here)) if p["best"]]
@@ -67,8 +69,8 @@ def _charts(task):
         yield name, chart.properties(title=title, width=460)
 
 
-def _data(task, rows):
-    return alt.Data(values=list(points(task, rows)))
+def _data(task, rows, more=()):
+    return alt.Data(values=[*points(task, rows), *more])
 
 
 def _used(task, rows):

@@ -13,8 +13,8 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
 import report_fixture as fixture
-from bench.report import (advice, approximate, compare, frontier, layout, model, pictures, rows, series, stability, units,
-                          winners)  # fmt: skip
+from bench.report import (advice, approximate, compare, frontier, layout, model, palette, pictures, rows, series,
+                          stability, units, winners)  # fmt: skip
 from report_made import LOOSE, METHOD, PEER, made, read, read_text
 
 
@@ -114,6 +114,21 @@ class Placing(unittest.TestCase):
         )
         a, b, c = (layout.Layout(found, ["forest"]).y(r) for r in found)
         self.assertAlmostEqual(b - a, c - b, places=1)
+
+    def test_an_empty_lane_says_why(self):
+        absent = lambda name, reason: made((name, "kd", "peer", "exact"), None, None, query_set="box", status="unsupported",
+                                           reason=reason)  # fmt: skip
+        methods = ["kd_tree", "nanoflann", "forest", "short", "long", "failed", "gone"]
+        k8 = [made(), *(made((m, "kd", "peer", "exact")) for m in methods[1:])]
+        box = [made(query_set="box"), made(PEER, 5, 0.1, query_set="box"), absent("short", "has no box query"),
+               absent("long", "x" * 90), made(("failed", "kd", "peer", "exact"), None, None, query_set="box", status="crashed")]
+        found = list(read(*k8, *box, made(LOOSE, 5, query_set="box")))
+        place = layout.Layout(found, methods)
+        notes = {n["method"]: n for n in layout.lane_notes(place, [r for r in found if r.query_set == "box"])}
+        self.assertEqual({m: n["note"] for m, n in notes.items()},
+                         {"nanoflann": "not without error here", "short": "has no box query",
+                          "long": "not offered here (reason below)", "failed": "crashed here", "gone": "not measured here"})
+        self.assertEqual(notes["gone"]["y"], place.lanes["gone"])
 
     def test_row_without_a_verdict_is_shown_as_such(self):
         found = list(read(made(error=None)))
@@ -269,6 +284,14 @@ class Series(unittest.TestCase):
         (card,) = series.cards(task, model.numbers([task]))
         self.assertEqual([f.title for f in card.figures], ["knn8: cube, 1k points", "build: cube, 1k points"])
 
+    def test_no_line_or_label_leaves_the_frame(self):
+        """Superlinear by luck: two threads five times as fast, and six for all that the intervals tell."""
+        (task,) = model.task_models(read(self.threaded(METHOD, 100, 1), self.threaded(METHOD, 20, 2)))
+        (card,) = series.cards(task, model.numbers([task]))
+        chart = card.figures[0].chart.to_dict()
+        ends = [layer["encoding"]["x"]["scale"]["domain"][1] for layer in chart["layer"] if "scale" in layer["encoding"]["x"]]
+        self.assertTrue(ends and all(end > 1.2 * 110 / 18 for end in ends), ends)
+
     def test_one_thread_alone_makes_no_chart(self):
         (task,) = model.task_models(read(made(), self.threaded(METHOD, 1, 1)))
         self.assertEqual(series.cards(task, model.numbers([task])), [])
@@ -367,6 +390,23 @@ class Small(unittest.TestCase):
         looks = list(found[0].looks.values())
         for a, b in itertools.combinations(looks, 2):
             self.assertNotEqual((a.color, a.shape, a.source), (b.color, b.shape, b.source))
+
+    def test_a_colour_is_that_of_the_family_or_library_in_every_report(self):
+        names = {"bvh": ("bvh", "ours"), "bvh_wide": ("bvh", "ours"), "rebuilt_bvh_wide": ("bvh", "ours"), "kd_tree": ("kd", "ours"),
+                 "kd_tree_eps": ("kd", "ours"), "nanoflann_dynamic": ("kd", "peer"), "rebuilt_nanoflann": ("kd", "peer"),
+                 "flann_forest": ("forest", "peer"), "flann_linear": ("brute", "peer")}  # fmt: skip
+        entries = [made((m, family, source, "exact")) for m, (family, source) in names.items()]
+        rng = random.Random(2)
+        for _ in range(20):
+            some = rng.sample(entries, rng.randrange(1, len(entries) + 1))
+            looks = palette.looks(read(*some))
+            for m, look in looks.items():
+                self.assertEqual(look.color, palette.color_of(m, names[m][1], names[m][0]))
+        of = {m: look.color for m, look in palette.looks(read(*entries)).items()}
+        self.assertEqual(of["bvh"], of["rebuilt_bvh_wide"])
+        self.assertEqual(of["nanoflann_dynamic"], of["rebuilt_nanoflann"])
+        self.assertEqual(len({of["bvh"], of["kd_tree"]}), 2)
+        self.assertEqual(len({of["flann_forest"], of["nanoflann_dynamic"]}), 2)
 
     def test_a_method_looks_the_same_in_every_task(self):
         names = [f"m{i}" for i in range(9)]

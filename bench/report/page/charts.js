@@ -58,14 +58,20 @@ function refresh(chart) {
   const list = chartRows[chart.kind](chart.task, chart.dataset, choice(chart.task));
   box.classList.toggle("none", list.length === 0);
   box.setAttribute("aria-label", label(chart, list));
-  return view.data("points", list.map(point)).runAsync();
+  return view.data("points", pointsOf(chart, list)).runAsync();
+}
+
+/// The points of a chart; of the frontier with a note in each lane that has none.
+function pointsOf(chart, list) {
+  const notes = chart.lanes ? laneNotes(chart.lanes, chosen(chart.task, chart.dataset, choice(chart.task))) : [];
+  return [...list.map(point), ...notes];
 }
 
 async function draw(chart) {
   const box = document.getElementById(chart.id);
   const fixed = chart.kind === "fixed"; // brings its own data
   const list = fixed ? [] : chartRows[chart.kind](chart.task, chart.dataset, choice(chart.task));
-  const spec = fixed ? chart.spec : { ...chart.spec, datasets: { ...chart.spec.datasets, points: list.map(point) } };
+  const spec = fixed ? chart.spec : { ...chart.spec, datasets: { ...chart.spec.datasets, points: pointsOf(chart, list) } };
   const { view } = await vegaEmbed(box, spec, { renderer: "svg", actions: false, tooltip: onPoint });
   drawn.set(chart.id, view);
   box.setAttribute("role", "img");

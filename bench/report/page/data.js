@@ -50,6 +50,21 @@ function point(r) {
   };
 }
 
+/// Why a lane of the exact band is empty; ../layout.py says the same.
+function laneNotes(lanes, list) {
+  const drawn = (r) => r.status === "ok" && r.ns !== null && r.error !== null;
+  const exact = new Set(list.filter((r) => drawn(r) && Math.abs(r.error) <= (r.floor || 0)).map((r) => r.method));
+  return Object.entries(lanes).filter(([method]) => !exact.has(method)).map(([method, y]) => {
+    const mine = list.filter((r) => r.method === method), absent = (r) => r.status === "unsupported" || r.status === "not_built";
+    const failed = mine.find((r) => r.status !== "ok" && !absent(r)), missing = mine.find(absent);
+    const reason = missing ? missing.reason || missing.status.replace(/_/g, " ") : "not measured here";
+    const note = mine.some(drawn) ? "not without error here"
+      : failed ? failed.status.replace(/_/g, " ") + " here"
+      : reason.length <= model.table.note_most ? reason : "not offered here (reason below)";
+    return { method, y, note };
+  });
+}
+
 function firstOf(list, key) {
   const seen = new Map();
   for (const item of list) if (!seen.has(key(item))) seen.set(key(item), item);
