@@ -101,7 +101,7 @@ void Stress::run_build(Case& hard, std::vector<Cell> cells) {
       if (build.subject) send("built");
       for (std::size_t i = next; i < cells.size(); ++i) {
         Cell cell = cells[i];
-        note_build(cell.row, build);
+        note_build(cell.row, build, task_.methods()[cell.method], block);
         if (build.subject) {
           const double ns = 1e9 * run_and_check(block, *build.subject, cell);
           if (cell.row.status == Status::ok || cell.row.status == Status::wrong) {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <new>
 #include <thread>
 
+#include "bench/core/refusal.hpp"
 #include "bench/core/truth_cache.hpp"
 #include "bench/knn/metric.hpp"
 #include "bench/knn/questions.hpp"
@@ -25,14 +25,14 @@ class KnnSubject final : public Subject {
 
   template <class Build>
   void build(Build make) {
-    guarded([&] { index_ = make(); });
+    keep_refusal(keep_refusals_, refusal_, [&] { index_ = make(); });
   }
 
   void run(std::size_t query_set, const Knobs& knobs, int threads) override {
     if (!index_) return;  // its refusal is kept
     refusal_.clear();
     visits_.reset(), knobs_ = knobs;
-    guarded([&] { ask(questions_.sets[query_set], knobs, threads); });
+    keep_refusal(keep_refusals_, refusal_, [&] { ask(questions_.sets[query_set], knobs, threads); });
   }
 
   std::optional<std::pair<double, double>> work(std::size_t query_set, const Knobs&) override {
@@ -82,21 +82,6 @@ class KnnSubject final : public Subject {
     }
   }
 
-  template <class F>
-  void guarded(F&& f) {
-    try {
-      f();
-    } catch (const Unsupported&) {
-      throw;
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception& e) {
-      if (!keep_refusals_) throw;
-      refusal_ = e.what();
-      if (refusal_.empty()) refusal_ = "refused without a word";
-    }
-  }
-
   const Questions& questions_;
   bool keep_refusals_;
   std::unique_ptr<Index> index_;
@@ -130,6 +115,7 @@ class KnnBlock final : public Block {
   std::size_t n() const override { return opening_.points.size(); }
   std::uint64_t seed() const override { return opening_.seed; }
   std::uint64_t dataset_hash() const override { return opening_.hash; }
+  std::optional<std::size_t> input_bytes() const override { return n() * sizeof(Vec3f); }
   bool quick() const override { return opening_.quick; }
 
   std::unique_ptr<Subject> build(std::size_t m, const Knobs& knobs, int threads) override {
@@ -141,12 +127,7 @@ class KnnBlock final : public Block {
 
   Errors check(std::size_t m, const Subject& subject, std::size_t number, const Knobs& knobs) override {
     const auto& answers = dynamic_cast<const KnnSubject&>(subject);
-    if (!answers.refusal().empty()) {
-      Errors e;
-      e.within_claim = false;
-      e.reason = "refused what must be answered: " + answers.refusal();
-      return e;
-    }
+    if (!answers.refusal().empty()) return refused_wrongly(answers.refusal());
     const Questions::Set& set = questions_.sets[number];
     const Claim claim = methods_[m].info.claim;
     Errors e = set.kind == Kind::nearest

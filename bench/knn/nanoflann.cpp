@@ -76,6 +76,7 @@ class Nanoflann final : public Index {
               .peer_version = "1.4.3",
               .build_knobs = {{{"leaf_size", 10}}, {{"leaf_size", 20}}, {{"leaf_size", 32}}},
               .ladder = 30,
+              .keeps_no_copy = true,
               .quick_builds = 2},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
        return std::make_unique<Nanoflann>(input, knobs);

@@ -2,7 +2,7 @@
 as static SVG and PNG, which carry their own.
 
 A point's fields: i (row), method, x, lo, hi (ns per query), y (pixel, from layout.py), front, promise (its claim holds
-for other queries, too), slot, n, note (why a lane without any is empty), build (ns per element), bytes (per element).
+for other queries, too), slot, n, note (why a lane without any is empty), build (ns per element), bytes and own (per element: with the input that must stay, and without).
 """
 
 import altair as alt
@@ -140,6 +140,12 @@ def lanes_chart(data, field, title, methods, looks, legend=False, width="contain
     y = alt.Y("method:N", sort=list(methods), scale=alt.Scale(domain=list(methods)),
               axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=120))  # fmt: skip
     chart = _points(base, looks, legend).encode(x=alt.X(f"{field}:Q", scale=scale, axis=axis), y=y)
+    if field == "bytes":  # from what the index allocates to all that it needs
+        color, _ = _scales(looks)
+        own = base.mark_rule(strokeWidth=1.6, opacity=_pick("0.8")).encode(
+            x=alt.X("own:Q", scale=scale, axis=axis), x2="bytes:Q", y=y,
+            stroke=alt.Stroke("method:N", scale=color, legend=_key(legend)))  # fmt: skip
+        chart = alt.layer(own, chart)
     return chart.add_params(_pick_param()).properties(width=width, height=alt.Step(13))
 
 

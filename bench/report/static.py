@@ -8,7 +8,7 @@ import vl_convert
 
 from bench.report import charts, rays, series, stability
 from bench.report.layout import lane_notes
-from bench.report.model import points
+from bench.report.model import bytes_title, points
 from bench.report.units import count
 
 COLORS = {
@@ -51,11 +51,11 @@ def _charts(task):
                                              task.text.query, True, 460, 300)  # fmt: skip
                 yield f"{name}-scaling", chart.properties(title=f"{dataset}, {query_set}")
         at_size = [r for r in rows if r.size == size]
-        for field, figure, label in (("build", "build_s", "build time"), ("bytes", "bytes", "bytes")):
+        for field, figure, label in (("build", "build_s", f"build time per {task.text.element}, log"),
+                                     ("bytes", "bytes", bytes_title(task))):
             if methods := [
                 m for m in task.looks if any(r.method == m and getattr(r, figure) is not None for r in at_size)
             ]:
-                label = f"{label} per {task.text.element}, log"
                 chart = charts.lanes_chart(_data(task, at_size), field, label, methods, task.looks, False, 460)
                 yield f"{_file_name(task.name, dataset, field)}", chart.properties(title=f"{dataset}, {count(size)}")
     numbers = {id(r): i for i, r in enumerate((*task.soft, *task.scaling))}

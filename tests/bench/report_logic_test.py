@@ -383,6 +383,16 @@ class Small(unittest.TestCase):
         self.assertEqual((shown["recall"], shown["leaves"]), (0.99998, 3.5))
         self.assertEqual(table["strings"][shown["extra"]], "missing 0.25")
 
+    def test_bytes_are_all_that_a_query_needs(self):
+        """An index over the user's points needs them: 8 bytes of its own beside 12 are as much as 20 with a copy."""
+        found = list(read(made(PEER, bytes=8000) | {"input_bytes": 12000}, made(METHOD, bytes=20000) | {"input_bytes": 0},
+                          made(LOOSE, bytes=5000)))  # fmt: skip
+        (task,) = model.task_models(found)
+        self.assertEqual([(p["bytes"], p["own"]) for p in model.points(task, found)], [(20, 8), (20, 20), (5, 5)])
+        self.assertIn("with the user's points", model.bytes_title(task)[1])
+        (older,) = model.task_models(list(read(made(bytes=8000))))  # rows that do not know: no word of it
+        self.assertEqual(model.bytes_title(older), "bytes per point, log")
+
     def test_no_two_methods_look_alike(self):
         found = model.task_models(
             list(read(*(made((f"m{i}", "kd", "peer" if i % 2 else "ours", "exact")) for i in range(24))))

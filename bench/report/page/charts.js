@@ -20,7 +20,8 @@ function tipHtml(r) {
     line("bias", figure(r.bias)) + line("recall", share(r.recall)) + line("truth's floor", figure(r.floor)) +
     line("also", r.extra) +
     line("build", r.build_s === null ? "–" : duration(r.build_s * 1e9) + ` (${figure((r.build_s * 1e9) / r.n)} ns per ${element})`) +
-    line("bytes", r.bytes === null ? "–" : figure(r.bytes) + ` (${figure(r.bytes / r.n)} per ${element})`) +
+    line("bytes", r.bytes === null ? "–" : figure(r.bytes) + ` (${figure(r.bytes / r.n)} per ${element})` +
+      (r.kept ? `, beside ${figure(r.kept)} of the user's that must stay (${figure((r.bytes + r.kept) / r.n)} in all)` : "")) +
     line("work", r.nodes === null && r.primitives === null ? "–" :
       `${figure(r.nodes)} nodes, ${r.leaves === null ? "" : figure(r.leaves) + " leaves, "}${figure(r.primitives)} ${element}s per query`) +
     line("on", `${r.dataset}, ${r.n.toLocaleString("en")} ${element}s` + (r.set ? ", " + r.set : "") + (r.threads ? `, ${r.threads} thread${r.threads > 1 ? "s" : ""}` : "")) +
@@ -129,11 +130,11 @@ function updateCard(card) {
 }
 
 function fillTable(details, list) {
-  const heads = ["method", "knobs", "status", "time", "interval", "error", "worst", "bias", "recall", "build", "bytes", "nodes", "leaves"];
+  const heads = ["method", "knobs", "status", "time", "interval", "error", "worst", "bias", "recall", "build", "bytes", "with kept input", "nodes", "leaves"];
   const body = [...list].sort((a, b) => (a.ns ?? Infinity) - (b.ns ?? Infinity)).map((r) => [
     (r.front ? "★ " : "") + r.method, [r.build, r.query].filter(Boolean).join("; "), r.status.replace(/_/g, " "), duration(r.ns),
     r.lo === null ? "–" : `${duration(r.lo)}…${duration(r.hi)}`, figure(r.error), figure(r.error_max), figure(r.bias), share(r.recall),
-    r.build_s === null ? "–" : duration(r.build_s * 1e9), figure(r.bytes), figure(r.nodes), figure(r.leaves),
+    r.build_s === null ? "–" : duration(r.build_s * 1e9), figure(r.bytes), r.kept === null || r.bytes === null ? "–" : figure(r.bytes + r.kept), figure(r.nodes), figure(r.leaves),
   ]);
   const cells = (tag, list) => "<tr>" + list.map((v) => `<${tag}>${escapeHtml(v)}</${tag}>`).join("") + "</tr>";
   details.querySelector(".figures").innerHTML =
