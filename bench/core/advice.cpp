@@ -89,8 +89,8 @@ std::string filter_of(const Rung& rung) {
 std::string cost_of(const Rung& rung) {
   std::string out;
   for (const Row& row : rung.rows)
-    out += fmt::format("{}{} {}", out.empty() ? "" : ", ", row.query_set,
-                       row.query_ns ? format_time(row) : "?");
+    out +=
+        fmt::format("{}{} {}", out.empty() ? "" : ", ", row.query_set, row.query_ns ? format_time(row) : "?");
   return out;
 }
 
@@ -98,7 +98,8 @@ std::string cost_of(const Rung& rung) {
 std::optional<std::pair<double, double>> interval_of(const Rung& rung) {
   std::pair<double, double> sum;
   for (const Row& row : rung.rows) {
-    if (!row.query_ns_low || !row.query_ns_high || *row.query_ns_low == *row.query_ns_high) return std::nullopt;
+    if (!row.query_ns_low || !row.query_ns_high || *row.query_ns_low == *row.query_ns_high)
+      return std::nullopt;
     sum.first += *row.query_ns_low, sum.second += *row.query_ns_high;
   }
   return sum;
@@ -120,8 +121,8 @@ std::string format_ties(const Advice& advice) {
   for (std::size_t i = *advice.chosen + 1; i < advice.rungs.size(); ++i) {
     const Rung& rung = advice.rungs[i];
     if (!rung.limit.empty() || !interval_of(rung) || !as_fast(advice.rungs[*advice.chosen], rung)) continue;
-    out += fmt::format("  close  {} at {} meets it, too: the intervals overlap\n", rung_name(rung.rows.front()),
-                       format_cost(rung));
+    out += fmt::format("  close  {} at {} meets it, too: the intervals overlap\n",
+                       rung_name(rung.rows.front()), format_cost(rung));
   }
   return out;
 }
@@ -206,8 +207,8 @@ std::string format_advice(const Advice& advice, double tolerance, const std::str
   }
   const Rung& rung = advice.rungs[*advice.chosen];
   const Row& row = rung.rows.front();
-  std::string out =
-      fmt::format("Advice for a tolerance of {:g} on {} ({}):\n", tolerance, row.dataset, counted(row.n, "element"));
+  std::string out = fmt::format("Advice for a tolerance of {:g} on {} ({}):\n", tolerance, row.dataset,
+                                counted(row.n, "element"));
   out += fmt::format("  {} ({}, {})\n", rung_name(row), to_string(row.source), to_string(row.claim));
   out += fmt::format("  cost   {} for one query of each set ({})\n", format_cost(rung), cost_of(rung));
   out += fmt::format("  error  {} largest over the query sets", format_error(worst(rung, &Errors::error)));
@@ -230,7 +231,8 @@ std::string format_advice(const Advice& advice, double tolerance, const std::str
                        format_cost(below), below.limit);
   }
   out += format_ties(advice);
-  for (const std::string& alone : advice.alone) out += fmt::format("  alone  where only this is asked, {}\n", alone);
+  for (const std::string& alone : advice.alone)
+    out += fmt::format("  alone  where only this is asked, {}\n", alone);
   std::string line = again;
   if (const std::size_t at = line.find("%FILTER%"); at != std::string::npos)
     line.replace(at, 8, filter_of(rung));

@@ -34,7 +34,8 @@ Advice advise(const Task&, const std::vector<Row>&, const std::vector<std::strin
 /// Whether two rungs cannot be told apart in time: the sums of their intervals overlap, or one has none.
 bool as_fast(const Rung&, const Rung&);
 
-/// A warning where the machine had other work while these rows were timed, in words of the report; else empty.
+/// A warning where the machine had other work while these rows were timed, in words of the report; else
+/// empty.
 std::string format_busy(const std::vector<Row>&);
 
 /// For people, with the number of queries below which a cheaper build is worth more (break_even.hpp). `again`

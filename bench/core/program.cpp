@@ -53,7 +53,8 @@ class Program {
   void write_pictures();
   void list_cells();
   void show(const std::vector<Row>&, Progress&) const;
-  void show_each_thread_count(const std::vector<Row>&, const std::vector<int>& thread_counts, Progress&) const;
+  void show_each_thread_count(const std::vector<Row>&, const std::vector<int>& thread_counts,
+                              Progress&) const;
   std::unique_ptr<Block> open(BlockSpec&);
   Broken trial(const BlockSpec&, const std::vector<std::string>& sets = {});
   std::vector<BlockSpec> blocks();
@@ -154,7 +155,7 @@ void Program::run_blocks() {
     progress.block(k, specs[k].label());
     const Broken broken = trial(specs[k]);
     const auto block = open(specs[k]);
-    const auto rows = harness.run(facts_of(specs[k], *block), *block, progress, {}, broken, counts);
+    const auto rows = harness.run(facts_of(task_, specs[k], *block), *block, progress, {}, broken, counts);
     // A recipe is input that can be answered; a user's file may rightly be refused.
     outcome_.add(rows, !input_);
     counts.empty() ? show(rows, progress) : show_each_thread_count(rows, counts, progress);
@@ -198,6 +199,25 @@ std::string shell_word(const std::string& argument) {
   return out + "'";
 }
 
+/// What it costs that a file's coordinates were made floats, in its own unit.
+std::string format_rounding(const datasets::Dataset& input, const Block& block) {
+  if (!(input.rounding > 0)) return "";
+  if (block.in_double())
+    return fmt::format(
+        "  input  read as doubles, and errors are against these; float moves coordinates by up to {:.2g} "
+        "(the "
+        "file's unit)\n",
+        input.rounding);
+  return fmt::format(
+      "  input  coordinates were rounded to float, which moved them by up to {:.2g} (the file's unit); "
+      "errors "
+      "above are\n         against the rounded ones{}\n",
+      input.rounding,
+      input.kind == datasets::Kind::cloud
+          ? "; Bvh<Points<double, 3>, Wide> and KdTree<Points<double, 3>> take doubles"
+          : "");
+}
+
 int Program::run_advice() {
   Timer timer(options_.context.profile, options_.benchmark);
   auto specs = blocks();
@@ -209,7 +229,7 @@ int Program::run_advice() {
     progress.block(k, specs[k].label());
     const Broken broken = trial(specs[k], sets);
     const auto block = open(specs[k]);
-    const auto rows = harness.run(facts_of(specs[k], *block), *block, progress, sets, broken);
+    const auto rows = harness.run(facts_of(task_, specs[k], *block), *block, progress, sets, broken);
     outcome_.add(rows, false);
     progress.clear();
     const Advice advice = advise(task_, rows, sets, *options_.advise);
@@ -219,7 +239,9 @@ int Program::run_advice() {
     const std::string again =
         fmt::format("{} {} --seed {} --threads {} --benchmark_filter='%FILTER%'",
                     shell_word(options_.program), input, options_.context.seed, options_.context.threads);
-    fmt::print(options_.quiet() ? stderr : stdout, "{}", format_advice(advice, *options_.advise, again) + format_busy(rows));
+    fmt::print(options_.quiet() ? stderr : stdout, "{}",
+               format_advice(advice, *options_.advise, again) +
+                   (input_ ? format_rounding(*input_, *block) : "") + format_busy(rows));
   }
   const int ended = finish();
   return all_met ? ended : exit_failed;
@@ -246,7 +268,7 @@ void Program::write_pictures() {
 void Program::list_cells() {
   for (BlockSpec& spec : blocks()) {
     const auto block = open(spec);
-    for (const Cell& cell : cells_of(task_, facts_of(spec, *block), options_.context.threads))
+    for (const Cell& cell : cells_of(task_, facts_of(task_, spec, *block), options_.context.threads))
       if (filter_.matches(cell.name)) fmt::print("{}\n", cell.name), ++outcome_.cells;
   }
 }

@@ -135,7 +135,8 @@ Row Row::from_json(const Json& row) {
   r.query_cpu_ns = number_from(row, "query_cpu_ns");
   if (!row.at("samples").is_null()) r.samples = row.at("samples").get<std::vector<double>>();
   if (!row.at("bytes").is_null()) r.bytes = row.at("bytes").get<std::size_t>();
-  if (const auto kept = row.find("input_bytes"); kept != row.end() && !kept->is_null())  // older rows have none
+  if (const auto kept = row.find("input_bytes");
+      kept != row.end() && !kept->is_null())  // older rows have none
     r.input_bytes = kept->get<std::size_t>();
   Errors& e = r.errors;
   e.error = number_from(row, "error"), e.max = number_from(row, "error_max");

@@ -80,9 +80,8 @@ std::string format_table(const std::vector<Row>& rows) {
   });
   const auto most = std::max_element(rows.begin(), rows.end(),
                                      [](const Row& a, const Row& b) { return a.queries < b.queries; });
-  std::string out =
-      fmt::format("\n{} (n = {}, a set has at most {})\n", rows.front().block, rows.front().n,
-                  counted(most->queries, "query", "queries"));
+  std::string out = fmt::format("\n{} (n = {}, a set has at most {})\n", rows.front().block, rows.front().n,
+                                counted(most->queries, "query", "queries"));
   std::size_t width = 0;
   for (const Row* row : sorted) width = std::max(width, row->method.size() + 2 + knobs_of(*row).size());
   std::string set;

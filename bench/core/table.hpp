@@ -9,8 +9,8 @@
 
 namespace treeline::bench {
 
-std::string format_time_ns(double ns);                  // "1.25 µs"
-std::string format_time(const Row& row);                // "1.25 µs [1.2, 1.31]"; "-" without a time
+std::string format_time_ns(double ns);    // "1.25 µs"
+std::string format_time(const Row& row);  // "1.25 µs [1.2, 1.31]"; "-" without a time
 
 /// "1 point", "2 points"; with `many` where that is not an s more.
 std::string counted(std::size_t n, const std::string& one, const std::string& many = "");

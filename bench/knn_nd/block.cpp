@@ -29,7 +29,8 @@ class RowSubject final : public Subject {
     refusal_.clear();
     const std::size_t k = questions_.sets[query_set].k;
     ids_.assign(questions_.rows.size() * k, accel::no_id);
-    keep_refusal(questions_.must_answer, refusal_, [&] { index_->nearest(view_of(questions_.rows), k, knobs, threads, ids_); });
+    keep_refusal(questions_.must_answer, refusal_,
+                 [&] { index_->nearest(view_of(questions_.rows), k, knobs, threads, ids_); });
   }
 
   std::optional<std::pair<double, double>> work(std::size_t query_set, const Knobs& knobs) override {

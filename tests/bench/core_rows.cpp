@@ -8,13 +8,14 @@
 namespace treeline::bench {
 namespace {
 
-const char* const fields[] = {
-    "schema",       "task",          "block",        "dataset",      "n",      "seed",        "dataset_hash",
-    "method",       "family",        "source",       "peer_version", "claim",  "build_knobs", "query_knobs",
-    "query_set",    "queries",       "threads",      "status",       "reason", "build_s",     "query_ns",
-    "query_ns_low", "query_ns_high", "query_cpu_ns", "samples",      "bytes",  "error",       "error_max",
-    "error_p99",    "error_mean",    "bias",         "error_floor",  "isa",    "flags",       "compiler",
-    "cpu",          "host",          "commit",       "time",         "input_bytes"};
+const char* const fields[] = {"schema",       "task",         "block",         "dataset",      "n",
+                              "seed",         "dataset_hash", "method",        "family",       "source",
+                              "peer_version", "claim",        "build_knobs",   "query_knobs",  "query_set",
+                              "queries",      "threads",      "status",        "reason",       "build_s",
+                              "query_ns",     "query_ns_low", "query_ns_high", "query_cpu_ns", "samples",
+                              "bytes",        "error",        "error_max",     "error_p99",    "error_mean",
+                              "bias",         "error_floor",  "isa",           "flags",        "compiler",
+                              "cpu",          "host",         "commit",        "time",         "input_bytes"};
 
 Row full_row() {
   Row r;
