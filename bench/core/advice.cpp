@@ -216,6 +216,8 @@ std::string format_advice(const Advice& advice, double tolerance, const std::str
     out += fmt::format(", worst single answer {}", format_error(max));
   if (const auto floor = worst(rung, &Errors::floor))
     out += fmt::format(" (truth itself ±{})", format_error(floor));
+  if (!promises(row) && worst(rung, &Errors::error) <= worst(rung, &Errors::floor).value_or(0))
+    out += "\n         approximate; exact on this sample, which promises nothing for other queries";
   out += fmt::format("\n  build  {}, {}\n",
                      row.build_s ? fmt::format("{:.3g} s", *row.build_s) : "no time known",
                      row.bytes ? format_bytes(*row.bytes) : "bytes not counted");

@@ -27,28 +27,38 @@ class Rounded final : public IndexOf<double> {
 
   void nearest(std::span<const Vec3d> queries, std::size_t k, const Knobs& knobs, int threads,
                std::span<Id> ids) const override {
-    std::vector<Vec3f> near;
-    near.reserve(queries.size());
-    for (const Vec3d& q : queries) near.push_back(rounded(q));
-    index_->nearest(near, k, knobs, threads, ids);
+    index_->nearest(narrowed<Vec3f>(queries), k, knobs, threads, ids);
   }
   void within(std::span<const Vec3d> queries, double radius, const Knobs& knobs, int threads,
               Lists<Id>& ids) const override {
-    std::vector<Vec3f> near;
-    near.reserve(queries.size());
-    for (const Vec3d& q : queries) near.push_back(rounded(q));
-    index_->within(near, static_cast<float>(radius), knobs, threads, ids);
+    index_->within(narrowed<Vec3f>(queries), static_cast<float>(radius), knobs, threads, ids);
   }
   void inside(std::span<const geometry::Box3d> boxes, const Knobs& knobs, int threads,
               Lists<Id>& ids) const override {
-    std::vector<Box3f> near;
-    near.reserve(boxes.size());
-    for (const geometry::Box3d& b : boxes) near.push_back({rounded(b.low), rounded(b.high)});
-    index_->inside(near, knobs, threads, ids);
+    index_->inside(narrowed<Box3f>(boxes), knobs, threads, ids);
+  }
+
+  std::optional<Visits> nearest_visits(std::span<const Vec3d> queries, std::size_t k,
+                                       const Knobs& knobs) const override {
+    return index_->nearest_visits(narrowed<Vec3f>(queries), k, knobs);
+  }
+  std::optional<Visits> within_visits(std::span<const Vec3d> queries, double radius) const override {
+    return index_->within_visits(narrowed<Vec3f>(queries), static_cast<float>(radius));
+  }
+  std::optional<Visits> inside_visits(std::span<const geometry::Box3d> boxes) const override {
+    return index_->inside_visits(narrowed<Box3f>(boxes));
   }
 
  private:
   Vec3f rounded(const Vec3d& p) const { return Vec3f(p - origin_); }
+  Box3f rounded(const geometry::Box3d& b) const { return {rounded(b.low), rounded(b.high)}; }
+  template <class Narrow, class Asked>
+  std::vector<Narrow> narrowed(std::span<const Asked> asked) const {
+    std::vector<Narrow> r;
+    r.reserve(asked.size());
+    for (const Asked& a : asked) r.push_back(rounded(a));
+    return r;
+  }
 
   Vec3d origin_{};
   std::vector<Vec3f> points_;  // of which some indices keep no copy

@@ -137,6 +137,17 @@ TEST(Advice, ABoundByEpsilonPromisesNoExactAnswers) {
   EXPECT_EQ(chosen(advise(FakeTask(), {row}, {"a"}, 0)), "m");
 }
 
+TEST(Advice, SaysThatItWasExactOnThisSampleOnly) {
+  Row row = rung_row("m", "a", 1, 0);
+  for (const auto& [claim, error, said] :
+       {std::tuple(Claim::approximate, 0.0, true), std::tuple(Claim::exact, 0.0, false),
+        std::tuple(Claim::approximate, 0.1, false)}) {
+    row.claim = claim, row.errors.error = error, row.errors.max = error;
+    const std::string text = format_advice(advise(FakeTask(), {row}, {"a"}, 0.5), 0.5, "");
+    EXPECT_EQ(text.find("exact on this sample") != std::string::npos, said) << text;
+  }
+}
+
 TEST(Advice, SaysThatAClaimIsTooWeakUnlessAnErrorSaysMore) {
   std::vector<Row> rows{rung_row("m", "a", 1, 0), rung_row("m", "b", 1, 0)};
   for (Row& row : rows) row.claim = Claim::stochastic;
