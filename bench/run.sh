@@ -61,14 +61,13 @@ if [ $resume -eq 0 ] && [ -n "$(find "$out" -name '*.jsonl' -print -quit 2>/dev/
   echo "run.sh: $out already holds results; pass --resume to continue them, or another --out" >&2
   exit 2
 fi
-mkdir -p "$out" || exit 2
-out=$(cd "$out" && pwd)
-
 # shellcheck source=scripts/setup.sh
 . "$root/scripts/setup.sh"
 ensure_packages
 ensure_python
 build_preset release "${tasks[@]/#/bench_}" treeline_gen
+mkdir -p "$out" || exit 2  # only now: what could not be set up leaves no empty folder
+out=$(cd "$out" && pwd)
 
 status=0
 worst() { [ "$1" -gt "$status" ] && status=$1; }

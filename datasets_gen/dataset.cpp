@@ -2,11 +2,26 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 namespace treeline::datasets {
 
-static_assert(sizeof(geometry::Vec3f) == 12 && sizeof(geometry::Mesh3f::Face) == 12, "hashed as plain bytes");
+static_assert(sizeof(geometry::Vec3d) == 24 && sizeof(geometry::Vec3f) == 12 &&
+                  sizeof(geometry::Mesh3f::Face) == 12,
+              "hashed as plain bytes");
+
+void Dataset::keep_precise(geometry::Cloud3d points) {
+  precise = std::move(points);
+  cloud.points.clear();
+  for (const geometry::Vec3d& p : precise.points) {
+    cloud.points.push_back(geometry::Vec3f(p));
+    for (int a = 0; a < 3; ++a)
+      if (const double moved = std::abs(p[a] - double(cloud.points.back()[a])); std::isfinite(moved))
+        rounding = std::max(rounding, moved);
+  }
+}
 
 std::uint64_t Dataset::hash() const {
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
@@ -19,6 +34,7 @@ std::uint64_t Dataset::hash() const {
   };
   if (kind == Kind::cloud) {
     add(cloud.points);
+    if (precise.size() > 0) add(precise.points);
   } else if (kind == Kind::vectors) {
     add(std::vector<std::uint64_t>{vectors.columns});
     add(vectors.scalars);

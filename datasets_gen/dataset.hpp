@@ -30,11 +30,16 @@ struct Dataset {
   Kind kind = Kind::cloud;
   std::uint64_t seed = 0;
   geometry::Cloud3f cloud;  // kind cloud
-  geometry::Mesh3f mesh;    // kind mesh
-  Vectors vectors;          // kind vectors
-  bool closed = false;  // mesh: closed and consistently oriented, as the recipe promises or adjacency finds
+  /// Kind cloud: the same points as they are, where float rounds them by more than tolerable; else empty.
+  geometry::Cloud3d precise;
+  double rounding = 0;    // the farthest that float moved a coordinate, in its own unit
+  geometry::Mesh3f mesh;  // kind mesh
+  Vectors vectors;        // kind vectors
+  bool closed = false;    // mesh: closed and consistently oriented, as the recipe promises or adjacency finds
   std::vector<std::string> notes;  // what a user should know, e.g. coordinates that float could not hold
 
+  /// Sets `precise`, and from it `cloud` and `rounding`.
+  void keep_precise(geometry::Cloud3d points);
   /// Points of a cloud, faces of a mesh, rows of vectors.
   std::size_t size() const {
     return kind == Kind::cloud ? cloud.size() : kind == Kind::mesh ? mesh.size() : vectors.size();
@@ -51,6 +56,7 @@ struct Recipe {
   Kind kind;
   std::string summary;  // one line for --list
   bool closed = false;
+  bool precise = false;  // a cloud whose coordinates float cannot hold: Dataset::precise
 };
 
 /// Every recipe, in the order in which they are charted.

@@ -74,6 +74,7 @@ geometry::Cloud3f clusters(const Job&);
 geometry::Cloud3f lidar(const Job&);
 geometry::Cloud3f filaments(const Job&);
 geometry::Cloud3f grid(const Job&);
+geometry::Cloud3d georeferenced(const Job&);
 
 geometry::Mesh3f icosphere(const Job&);
 geometry::Mesh3f terrain(const Job&);

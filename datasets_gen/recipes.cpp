@@ -9,29 +9,34 @@ namespace treeline::datasets {
 namespace {
 
 using MakeCloud = geometry::Cloud3f (*)(const Job&);
+using MakePrecise = geometry::Cloud3d (*)(const Job&);
 using MakeMesh = geometry::Mesh3f (*)(const Job&);
 using MakeVectors = Vectors (*)(const Job&, std::size_t columns);
 
 struct Entry {
   Recipe recipe;
   MakeCloud make_cloud = nullptr;
+  MakePrecise make_precise = nullptr;
   MakeMesh make_mesh = nullptr;
   MakeVectors make_vectors = nullptr;
   std::size_t columns = 0;
 };
 
 Entry cloud(MakeCloud make, const char* name, const char* summary) {
-  return {{name, Kind::cloud, summary, false}, make, nullptr};
+  return {.recipe = {name, Kind::cloud, summary, false}, .make_cloud = make};
+}
+Entry precise(MakePrecise make, const char* name, const char* summary) {
+  return {.recipe = {name, Kind::cloud, summary, false, true}, .make_precise = make};
 }
 Entry mesh(MakeMesh make, const char* name, bool closed, const char* summary) {
-  return {{name, Kind::mesh, summary, closed}, nullptr, make};
+  return {.recipe = {name, Kind::mesh, summary, closed}, .make_mesh = make};
 }
 Entry vectors(MakeVectors make, const char* name, std::size_t columns, const char* summary) {
-  return {{name, Kind::vectors, summary, false}, nullptr, nullptr, make, columns};
+  return {.recipe = {name, Kind::vectors, summary, false}, .make_vectors = make, .columns = columns};
 }
 
-const std::array<Entry, 19>& table() {
-  static const std::array<Entry, 19> entries{
+const std::array<Entry, 20>& table() {
+  static const std::array<Entry, 20> entries{
       cloud(uniform_cube, "uniform_cube", "uniform in the unit cube"),
       cloud(uniform_ball, "uniform_ball", "uniform in the unit ball"),
       cloud(displaced_sphere, "displaced_sphere", "on the surface of a rough sphere"),
@@ -39,6 +44,8 @@ const std::array<Entry, 19>& table() {
       cloud(lidar, "lidar", "sweeps of a 64-ring scanner along a street: density falls with distance"),
       cloud(filaments, "filaments", "32 thin curved threads"),
       cloud(grid, "grid", "a regular grid: every distance tied"),
+      precise(georeferenced, "georeferenced",
+              "the street of lidar in UTM metres, to the millimetre: for doubles"),
       mesh(icosphere, "icosphere", true, "a rough sphere of even triangles, closed"),
       mesh(terrain, "terrain", false, "a height field of hills and ridges"),
       mesh(architecture, "architecture", false, "large walls, long thin beams and columns, fine ornament"),
@@ -97,6 +104,8 @@ Dataset generate(std::string_view name, std::size_t n, std::uint64_t seed, const
   r.closed = entry->recipe.closed;
   if (entry->make_cloud)
     r.cloud = entry->make_cloud(job);
+  else if (entry->make_precise)
+    r.keep_precise(entry->make_precise(job));
   else if (entry->make_vectors)
     r.vectors = entry->make_vectors(job, entry->columns);
   else

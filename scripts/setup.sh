@@ -53,7 +53,12 @@ ensure_packages() {
 ensure_python() {
   local venv=$root/.venv requirements=$root/bench/report/requirements.txt
   if cmp -s "$requirements" "$venv/requirements.installed"; then return; fi
-  [ "$install" -eq 1 ] || fail 2 "no Python environment in .venv, and --no-install was given"
+  if [ "$install" -eq 0 ]; then
+    say "The report needs a Python environment in .venv, and --no-install was given. To make it:"
+    say "  python3 -m venv .venv && .venv/bin/pip install -r bench/report/requirements.txt"
+    say "  cp bench/report/requirements.txt .venv/requirements.installed"
+    fail 2 "no Python environment in .venv$([ -d "$venv" ] && echo " of these requirements")"
+  fi
   say "Making the Python environment in .venv"
   if [ -L "$venv" ] && [ ! -e "$venv" ]; then rm "$venv"; fi  # a link that leads nowhere
   python3 -m venv "$venv" || fail 2 "python3 -m venv failed"

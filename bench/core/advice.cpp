@@ -37,10 +37,16 @@ std::string broken_limit(const Row& row, double tolerance) {
   return "";
 }
 
+/// Whether the claim holds for queries that were not measured. A bound by epsilon allows for errors, whether
+/// or not this sample has any.
+bool promises(const Row& row) {
+  const bool by_epsilon = row.query_knobs.contains("epsilon") && row.query_knobs.at("epsilon") != 0;
+  return row.claim == Claim::exact || (row.claim == Claim::bounded && !by_epsilon);
+}
+
 /// Why a rung whose measured errors all meet the tolerance may not be advised; empty: it may.
 std::string unpromised_limit(const Row& row, double tolerance) {
-  const bool promises = row.claim == Claim::exact || row.claim == Claim::bounded;
-  if (promises || tolerance > row.errors.floor.value_or(0)) return "";
+  if (promises(row) || tolerance > row.errors.floor.value_or(0)) return "";
   return fmt::format("its claim is {}: no error on these queries of {} promises none on others",
                      to_string(row.claim), row.query_set);
 }
@@ -83,15 +89,46 @@ std::string filter_of(const Rung& rung) {
 std::string cost_of(const Rung& rung) {
   std::string out;
   for (const Row& row : rung.rows)
-    out += fmt::format("{}{} {}", out.empty() ? "" : ", ", row.query_set,
-                       row.query_ns ? format_time_ns(*row.query_ns) : "?");
+    out +=
+        fmt::format("{}{} {}", out.empty() ? "" : ", ", row.query_set, row.query_ns ? format_time(row) : "?");
   return out;
 }
 
-}  // namespace
+/// Lowest and highest cost that the repetitions leave; nothing if a row has no interval.
+std::optional<std::pair<double, double>> interval_of(const Rung& rung) {
+  std::pair<double, double> sum;
+  for (const Row& row : rung.rows) {
+    if (!row.query_ns_low || !row.query_ns_high || *row.query_ns_low == *row.query_ns_high)
+      return std::nullopt;
+    sum.first += *row.query_ns_low, sum.second += *row.query_ns_high;
+  }
+  return sum;
+}
 
-Advice advise(const Task& task, const std::vector<Row>& rows, const std::vector<std::string>& sets,
-              double tolerance) {
+std::string format_cost(const Rung& rung) {
+  Row sum;
+  sum.query_ns = rung.cost_ns;
+  if (const auto interval = interval_of(rung)) {
+    sum.query_ns_low = interval->first, sum.query_ns_high = interval->second;
+    sum.samples = rung.rows.front().samples;  // as many as there are
+  }
+  return format_time(sum);
+}
+
+/// Other rungs that meet the tolerance in a time that the chosen one's cannot be told from.
+std::string format_ties(const Advice& advice) {
+  std::string out;
+  for (std::size_t i = *advice.chosen + 1; i < advice.rungs.size(); ++i) {
+    const Rung& rung = advice.rungs[i];
+    if (!rung.limit.empty() || !interval_of(rung) || !as_fast(advice.rungs[*advice.chosen], rung)) continue;
+    out += fmt::format("  close  {} at {} meets it, too: the intervals overlap\n",
+                       rung_name(rung.rows.front()), format_cost(rung));
+  }
+  return out;
+}
+
+Advice advise_on(const Task& task, const std::vector<Row>& rows, const std::vector<std::string>& sets,
+                 double tolerance) {
   std::map<std::string, std::vector<Row>> by_rung;
   for (const Row& row : rows)
     if (row.status != Status::not_built)
@@ -121,35 +158,83 @@ Advice advise(const Task& task, const std::vector<Row>& rows, const std::vector<
   return out;
 }
 
+constexpr double busy_share = 0.9;   // of wall time, in processor time: below, something else had the core
+constexpr double busy_cells = 0.05;  // share of cells from which on that is worth a word
+
+}  // namespace
+
+Advice advise(const Task& task, const std::vector<Row>& rows, const std::vector<std::string>& sets,
+              double tolerance) {
+  Advice out = advise_on(task, rows, sets, tolerance);
+  if (sets.size() < 2) return out;
+  for (const std::string& set : sets) {
+    const Advice alone = advise_on(task, rows, {set}, tolerance);
+    if (!alone.chosen) continue;
+    const Rung& rung = alone.rungs[*alone.chosen];
+    const std::string name = rung_name(rung.rows.front());
+    if (!out.chosen || name != rung_name(out.rungs[*out.chosen].rows.front()))
+      out.alone.push_back(fmt::format("{}: {} at {}", set, name, format_cost(rung)));
+  }
+  return out;
+}
+
+bool as_fast(const Rung& a, const Rung& b) {
+  const auto ia = interval_of(a), ib = interval_of(b);
+  return !ia || !ib || (ia->first <= ib->second && ib->first <= ia->second);
+}
+
+std::string format_busy(const std::vector<Row>& rows) {
+  std::size_t timed = 0, slowed = 0;
+  for (const Row& row : rows) {
+    if (row.threads != 1 || !row.query_ns || !row.query_cpu_ns) continue;
+    ++timed;
+    slowed += *row.query_cpu_ns < busy_share * *row.query_ns ? 1 : 0;
+  }
+  if (slowed == 0 || static_cast<double>(slowed) < busy_cells * static_cast<double>(timed)) return "";
+  return fmt::format(
+      "  busy   in {} of {} the processor worked for less than {:.0f} % of the time: something else ran.\n"
+      "         Measure again on a quiet machine before you trust close calls\n",
+      slowed, counted(timed, "timed cell"), 100 * busy_share);
+}
+
 std::string format_advice(const Advice& advice, double tolerance, const std::string& again) {
   if (!advice.chosen) {
     std::string out = fmt::format("No method meets a tolerance of {:g} on every query set.\n", tolerance);
     for (const Rung& rung : advice.rungs)
       out += fmt::format("  {}: {}\n", rung_name(rung.rows.front()), rung.limit);
+    for (const std::string& alone : advice.alone) out += fmt::format("  alone  {}\n", alone);
     return out;
   }
   const Rung& rung = advice.rungs[*advice.chosen];
   const Row& row = rung.rows.front();
-  std::string out =
-      fmt::format("Advice for a tolerance of {:g} on {} ({} elements):\n", tolerance, row.dataset, row.n);
+  std::string out = fmt::format("Advice for a tolerance of {:g} on {} ({}):\n", tolerance, row.dataset,
+                                counted(row.n, "element"));
   out += fmt::format("  {} ({}, {})\n", rung_name(row), to_string(row.source), to_string(row.claim));
-  out += fmt::format("  cost   {} for one query of each set ({})\n", format_time_ns(rung.cost_ns),
-                     cost_of(rung));
+  out += fmt::format("  cost   {} for one query of each set ({})\n", format_cost(rung), cost_of(rung));
   out += fmt::format("  error  {} largest over the query sets", format_error(worst(rung, &Errors::error)));
   if (const auto max = worst(rung, &Errors::max))
     out += fmt::format(", worst single answer {}", format_error(max));
   if (const auto floor = worst(rung, &Errors::floor))
     out += fmt::format(" (truth itself ±{})", format_error(floor));
+  if (!promises(row) && worst(rung, &Errors::error) <= worst(rung, &Errors::floor).value_or(0))
+    out += "\n         approximate; exact on this sample, which promises nothing for other queries";
   out += fmt::format("\n  build  {}, {}\n",
                      row.build_s ? fmt::format("{:.3g} s", *row.build_s) : "no time known",
                      row.bytes ? format_bytes(*row.bytes) : "bytes not counted");
+  if (row.input_bytes && *row.input_bytes > 0) {
+    out.pop_back();
+    out += fmt::format(" beside {} of your own that must stay\n", format_bytes(*row.input_bytes));
+  }
   if (*advice.chosen == 0) {
     out += "  below  nothing cheaper was measured\n";
   } else {
     const Rung& below = advice.rungs[*advice.chosen - 1];
     out += fmt::format("  below  {} at {} is not enough: {}\n", rung_name(below.rows.front()),
-                       format_time_ns(below.cost_ns), below.limit);
+                       format_cost(below), below.limit);
   }
+  out += format_ties(advice);
+  for (const std::string& alone : advice.alone)
+    out += fmt::format("  alone  where only this is asked, {}\n", alone);
   std::string line = again;
   if (const std::size_t at = line.find("%FILTER%"); at != std::string::npos)
     line.replace(at, 8, filter_of(rung));

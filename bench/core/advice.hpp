@@ -2,7 +2,8 @@
 // error meets the tolerance on every query set, and why the next cheaper one does not.
 //
 // Whoever allows no error beyond the truth's own asks for a promise. Methods that claim to be approximate or
-// stochastic give none, however well they did on the queries at hand, and are not advised then.
+// stochastic, or bound their error by an epsilon, give none, however well they did on the queries at hand,
+// and are not advised then.
 #pragma once
 
 #include <optional>
@@ -23,11 +24,19 @@ struct Rung {
 struct Advice {
   std::vector<Rung> rungs;            // by cost
   std::optional<std::size_t> chosen;  // none meets the tolerance: empty
+  std::vector<std::string> alone;     // "set: rung at time", where one set alone would choose another rung
 };
 
 /// From rows of one block; those of other query sets than `sets` do not count. A rung that lacks a set is
 /// left out. Errors are held against the tolerance, or against the truth's own error where that is larger.
 Advice advise(const Task&, const std::vector<Row>&, const std::vector<std::string>& sets, double tolerance);
+
+/// Whether two rungs cannot be told apart in time: the sums of their intervals overlap, or one has none.
+bool as_fast(const Rung&, const Rung&);
+
+/// A warning where the machine had other work while these rows were timed, in words of the report; else
+/// empty.
+std::string format_busy(const std::vector<Row>&);
 
 /// For people, with the number of queries below which a cheaper build is worth more (break_even.hpp). `again`
 /// is a command line that measures the chosen rung alone; %FILTER% in it is replaced.

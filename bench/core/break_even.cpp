@@ -38,8 +38,8 @@ std::string format_line(const Rung& advised, const Rung* other, const char* what
   if (std::isinf(*queries))
     return fmt::format("  few    {} answers as fast and always costs less (build {:.3g} s)\n", name,
                        *row.build_s);
-  return fmt::format("  few    for up to {:.0f} queries of each set {} costs less (build {:.3g} s)\n",
-                     std::floor(*queries), name, *row.build_s);
+  return fmt::format("  few    for up to {:.0f} {} of each set {} costs less (build {:.3g} s)\n",
+                     std::floor(*queries), *queries < 2 ? "query" : "queries", name, *row.build_s);
 }
 
 }  // namespace

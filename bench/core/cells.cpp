@@ -47,14 +47,18 @@ bool Filter::matches(const std::string& name) const {
   return !regex_ || std::regex_search(name, *regex_) != negate_;
 }
 
-BlockFacts facts_of(const BlockSpec& spec, const Block& block) {
-  return {spec, block.n(), block.seed(), block.dataset_hash(), block.query_sets(), block.quick()};
+BlockFacts facts_of(const Task& task, const BlockSpec& spec, const Block& block) {
+  BlockFacts facts{spec,          block.n(), block.seed(), block.dataset_hash(), block.query_sets(),
+                   block.quick(), {}};
+  for (std::size_t m = 0; m < task.methods().size(); ++m) facts.offered.push_back(block.offers(m));
+  return facts;
 }
 
 std::vector<Cell> cells_of(const Task& task, const BlockFacts& facts, int threads) {
   std::vector<Cell> out;
   const auto& methods = task.methods();
   for (std::size_t m = 0; m < methods.size(); ++m) {
+    if (m < facts.offered.size() && !facts.offered[m]) continue;
     if (facts.spec.scaling && !methods[m].scales) continue;
     for (std::size_t b = 0; b < methods[m].build_knobs.size(); ++b) {
       if (methods[m].hard_cases_only && !facts.spec.hard) break;

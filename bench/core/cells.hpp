@@ -41,8 +41,9 @@ struct BlockFacts {
   std::uint64_t seed = 0, hash = 0;
   std::vector<QuerySet> query_sets;
   bool quick = false;
+  std::vector<bool> offered;  // by method; those beyond its end are
 };
-BlockFacts facts_of(const BlockSpec&, const Block&);
+BlockFacts facts_of(const Task&, const BlockSpec&, const Block&);
 
 /// All cells of a block, methods in the task's order, then build knobs, query sets and query knobs. Of a hard
 /// case also those that MethodInfo::sweep_up_to_n leaves out, as `unsupported`.

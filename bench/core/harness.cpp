@@ -111,7 +111,7 @@ Harness::Group Harness::next_group(std::vector<Cell>& cells, std::size_t& next, 
       return cell.method == method && cell.build == knobs && cell.row.threads == threads;
     };
     for (; next < cells.size() && of_this_build(cells[next]); ++next) {
-      note_build(cells[next].row, held.build);
+      note_build(cells[next].row, held.build, task_.methods()[method], block);
       if (held.build.subject)
         held.cells.push_back(std::move(cells[next]));
       else

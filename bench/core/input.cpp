@@ -18,7 +18,7 @@ datasets::Dataset read_input(const std::string& file, datasets::Kind kind) {
   if (data.kind == kind || kind == datasets::Kind::vectors) return data;  // points are vectors of three
   if (kind == datasets::Kind::mesh) throw UsageError("--input " + file + ": a cloud; this task needs a mesh");
   data.kind = kind;
-  data.cloud.points = std::move(data.mesh.vertices);
+  data.cloud.points = std::move(data.mesh.vertices);  // float: meshes have no doubles here
   data.mesh = {};
   data.notes.push_back("a mesh: its vertices are taken as the cloud");
   return data;

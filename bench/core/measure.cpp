@@ -59,12 +59,13 @@ Build timed_build(Block& block, std::size_t method, const Knobs& build_knobs, in
   return out;
 }
 
-void note_build(Row& row, const Build& build) {
+void note_build(Row& row, const Build& build, const MethodInfo& method, const Block& block) {
   if (!build.subject) {
     row.status = build.status, row.reason = build.reason;
     return;
   }
   row.build_s = build.seconds, row.bytes = build.bytes;
+  if (const auto input = block.input_bytes()) row.input_bytes = method.keeps_no_copy ? *input : 0;
 }
 
 double run_and_check(Block& block, Subject& subject, Cell& cell) {

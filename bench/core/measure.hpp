@@ -17,8 +17,8 @@ struct Build {
 
 /// Builds up to `times` times while that stays short; seconds is the median, bytes those of the last.
 Build timed_build(Block&, std::size_t method, const Knobs& build_knobs, int threads, int times);
-/// Copies status, seconds and bytes into a row.
-void note_build(Row&, const Build&);
+/// Copies status, seconds and bytes into a row, and what the method keeps of the caller's data.
+void note_build(Row&, const Build&, const MethodInfo&, const Block&);
 
 /// Runs the cell's batch once, asks for the error of its answers and for its work, and fills the row with all
 /// of it but the time. Returns the seconds of that one run.

@@ -58,7 +58,7 @@ Broken try_peers(const Task& task, const BlockSpec& spec, const std::function<st
       } catch (...) {
         return send("refused");
       }
-      const auto cells = cells_to_try(task, facts_of(spec, *block), chosen);
+      const auto cells = cells_to_try(task, facts_of(task, spec, *block), chosen);
       send("opened");
       std::size_t build = 0;
       for (std::size_t first = 0, last = 0; first < cells.size(); first = last, ++build) {

@@ -49,11 +49,12 @@ class Program {
  private:
   void run_stress();
   void run_blocks();
-  void run_scaling();
   int run_advice();
   void write_pictures();
   void list_cells();
   void show(const std::vector<Row>&, Progress&) const;
+  void show_each_thread_count(const std::vector<Row>&, const std::vector<int>& thread_counts,
+                              Progress&) const;
   std::unique_ptr<Block> open(BlockSpec&);
   Broken trial(const BlockSpec&, const std::vector<std::string>& sets = {});
   std::vector<BlockSpec> blocks();
@@ -84,7 +85,7 @@ int Program::run() {
                "compare\n",
                options_.rows, file_.other_build());
   if (options_.advise) return run_advice();
-  options_.stress ? run_stress() : options_.scaling ? run_scaling() : run_blocks();
+  options_.stress ? run_stress() : run_blocks();
   return finish();
 }
 
@@ -134,22 +135,6 @@ std::vector<double> weights_of(const std::vector<BlockSpec>& specs) {
   return out;
 }
 
-void Program::run_blocks() {
-  Timer timer(options_.context.profile, options_.benchmark);
-  auto specs = blocks();
-  Harness harness(task_, options_, filter_, file_, timer);
-  Progress progress(weights_of(specs));
-  for (std::size_t k = 0; k < specs.size(); ++k) {
-    progress.block(k, specs[k].label());
-    const Broken broken = trial(specs[k]);
-    const auto block = open(specs[k]);
-    const auto rows = harness.run(facts_of(specs[k], *block), *block, progress, {}, broken);
-    // A recipe is input that can be answered; a user's file may rightly be refused.
-    outcome_.add(rows, !input_);
-    show(rows, progress);
-  }
-}
-
 /// 1, 2, 4, … and all of this machine's threads.
 std::vector<int> thread_counts() {
   const int there = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -159,23 +144,33 @@ std::vector<int> thread_counts() {
   return out;
 }
 
-void Program::run_scaling() {
+/// With --scaling at several thread counts.
+void Program::run_blocks() {
   Timer timer(options_.context.profile, options_.benchmark);
   auto specs = blocks();
   Harness harness(task_, options_, filter_, file_, timer);
   Progress progress(weights_of(specs));
+  const std::vector<int> counts = options_.scaling ? thread_counts() : std::vector<int>{};
   for (std::size_t k = 0; k < specs.size(); ++k) {
     progress.block(k, specs[k].label());
+    const Broken broken = trial(specs[k]);
     const auto block = open(specs[k]);
-    const auto rows = harness.run(facts_of(specs[k], *block), *block, progress, {}, {}, thread_counts());
-    outcome_.add(rows, true);
-    progress.clear();
-    for (const int threads : thread_counts()) {  // a table each: it has no column for them
-      std::vector<Row> mine = rows;
-      std::erase_if(mine, [&](const Row& row) { return row.threads != threads; });
-      if (!options_.quiet()) fmt::print("\n--threads {}", threads);
-      show(mine, progress);
-    }
+    const auto rows = harness.run(facts_of(task_, specs[k], *block), *block, progress, {}, broken, counts);
+    // A recipe is input that can be answered; a user's file may rightly be refused.
+    outcome_.add(rows, !input_);
+    counts.empty() ? show(rows, progress) : show_each_thread_count(rows, counts, progress);
+  }
+}
+
+/// A table each: it has no column for them.
+void Program::show_each_thread_count(const std::vector<Row>& rows, const std::vector<int>& thread_counts,
+                                     Progress& progress) const {
+  progress.clear();
+  for (const int threads : thread_counts) {
+    std::vector<Row> mine = rows;
+    std::erase_if(mine, [&](const Row& row) { return row.threads != threads; });
+    if (!options_.quiet()) fmt::print("\n--threads {}", threads);
+    show(mine, progress);
   }
 }
 
@@ -204,6 +199,25 @@ std::string shell_word(const std::string& argument) {
   return out + "'";
 }
 
+/// What it costs that a file's coordinates were made floats, in its own unit.
+std::string format_rounding(const datasets::Dataset& input, const Block& block) {
+  if (!(input.rounding > 0)) return "";
+  if (block.in_double())
+    return fmt::format(
+        "  input  read as doubles, and errors are against these; float moves coordinates by up to {:.2g} "
+        "(the "
+        "file's unit)\n",
+        input.rounding);
+  return fmt::format(
+      "  input  coordinates were rounded to float, which moved them by up to {:.2g} (the file's unit); "
+      "errors "
+      "above are\n         against the rounded ones{}\n",
+      input.rounding,
+      input.kind == datasets::Kind::cloud
+          ? "; Bvh<Points<double, 3>, Wide> and KdTree<Points<double, 3>> take doubles"
+          : "");
+}
+
 int Program::run_advice() {
   Timer timer(options_.context.profile, options_.benchmark);
   auto specs = blocks();
@@ -215,7 +229,7 @@ int Program::run_advice() {
     progress.block(k, specs[k].label());
     const Broken broken = trial(specs[k], sets);
     const auto block = open(specs[k]);
-    const auto rows = harness.run(facts_of(specs[k], *block), *block, progress, sets, broken);
+    const auto rows = harness.run(facts_of(task_, specs[k], *block), *block, progress, sets, broken);
     outcome_.add(rows, false);
     progress.clear();
     const Advice advice = advise(task_, rows, sets, *options_.advise);
@@ -225,7 +239,9 @@ int Program::run_advice() {
     const std::string again =
         fmt::format("{} {} --seed {} --threads {} --benchmark_filter='%FILTER%'",
                     shell_word(options_.program), input, options_.context.seed, options_.context.threads);
-    fmt::print(options_.quiet() ? stderr : stdout, "{}", format_advice(advice, *options_.advise, again));
+    fmt::print(options_.quiet() ? stderr : stdout, "{}",
+               format_advice(advice, *options_.advise, again) +
+                   (input_ ? format_rounding(*input_, *block) : "") + format_busy(rows));
   }
   const int ended = finish();
   return all_met ? ended : exit_failed;
@@ -252,7 +268,7 @@ void Program::write_pictures() {
 void Program::list_cells() {
   for (BlockSpec& spec : blocks()) {
     const auto block = open(spec);
-    for (const Cell& cell : cells_of(task_, facts_of(spec, *block), options_.context.threads))
+    for (const Cell& cell : cells_of(task_, facts_of(task_, spec, *block), options_.context.threads))
       if (filter_.matches(cell.name)) fmt::print("{}\n", cell.name), ++outcome_.cells;
   }
 }

@@ -81,6 +81,7 @@ Json fields(const Row& r) {
            {"query_cpu_ns", number(r.query_cpu_ns)},
            {"samples", r.samples.empty() ? Json(nullptr) : samples},
            {"bytes", r.bytes ? Json(*r.bytes) : Json(nullptr)},
+           {"input_bytes", r.input_bytes ? Json(*r.input_bytes) : Json(nullptr)},
            {"error", number(e.error)},
            {"error_max", number(e.max)},
            {"error_p99", number(e.p99)},
@@ -134,6 +135,9 @@ Row Row::from_json(const Json& row) {
   r.query_cpu_ns = number_from(row, "query_cpu_ns");
   if (!row.at("samples").is_null()) r.samples = row.at("samples").get<std::vector<double>>();
   if (!row.at("bytes").is_null()) r.bytes = row.at("bytes").get<std::size_t>();
+  if (const auto kept = row.find("input_bytes");
+      kept != row.end() && !kept->is_null())  // older rows have none
+    r.input_bytes = kept->get<std::size_t>();
   Errors& e = r.errors;
   e.error = number_from(row, "error"), e.max = number_from(row, "error_max");
   e.p99 = number_from(row, "error_p99"), e.mean = number_from(row, "error_mean");

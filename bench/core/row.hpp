@@ -49,8 +49,9 @@ struct Row {
   Status status = Status::ok;
   std::string reason;
   std::optional<double> build_s, query_ns, query_ns_low, query_ns_high, query_cpu_ns;
-  std::vector<double> samples;  // ns per query, one a repetition
-  std::optional<std::size_t> bytes;
+  std::vector<double> samples;             // ns per query, one a repetition
+  std::optional<std::size_t> bytes;        // that the build left allocated
+  std::optional<std::size_t> input_bytes;  // of the caller's data that must stay beside them; 0 with a copy
   Errors errors;
   std::optional<double> work_nodes, work_primitives;  // per query
 

@@ -38,18 +38,21 @@ Stress::Case Stress::open(const BlockSpec& spec) {
   bool threads = false;
   const auto tell = [&](const Send& send) {
     const auto block = task_.open(spec, options_.context);
+    Json offered = Json::array();
+    for (std::size_t m = 0; m < task_.methods().size(); ++m) offered.push_back(block->offers(m));
     Json sets = Json::array();
     for (const QuerySet& set : block->query_sets()) sets.push_back({{"name", set.name}, {"size", set.size}});
     send(Json{{"n", block->n()},
               {"seed", block->seed()},
               {"hash", block->dataset_hash()},
               {"sets", sets},
+              {"offered", offered},
               {"threads", thread_count() > 1}}
              .dump());
   };
   const Ending ending = run_isolated(tell, {.seconds = 600, .memory = 0}, [&](const std::string& line) {
     const Json told = Json::parse(line);
-    out.facts = {spec, told["n"], told["seed"], told["hash"], {}, false};
+    out.facts = {spec, told["n"], told["seed"], told["hash"], {}, false, told["offered"]};
     for (const Json& set : told["sets"]) out.facts.query_sets.push_back({set["name"], set["size"]});
     threads = told["threads"];
   });
@@ -101,7 +104,7 @@ void Stress::run_build(Case& hard, std::vector<Cell> cells) {
       if (build.subject) send("built");
       for (std::size_t i = next; i < cells.size(); ++i) {
         Cell cell = cells[i];
-        note_build(cell.row, build);
+        note_build(cell.row, build, task_.methods()[cell.method], block);
         if (build.subject) {
           const double ns = 1e9 * run_and_check(block, *build.subject, cell);
           if (cell.row.status == Status::ok || cell.row.status == Status::wrong) {

@@ -36,7 +36,14 @@ Unit unit_of(double ns) {
   return ns < 1e9 ? Unit{1e6, "ms"} : Unit{1e9, "s"};
 }
 
-std::string time_of(const Row& row) {
+}  // namespace
+
+std::string format_time_ns(double ns) {
+  const Unit unit = unit_of(ns);
+  return fmt::format("{:.3g} {}", ns / unit.ns, unit.name);
+}
+
+std::string format_time(const Row& row) {
   if (!row.query_ns) return "-";
   if (!row.query_ns_low || !row.query_ns_high || row.samples.size() < 2) return format_time_ns(*row.query_ns);
   const Unit unit = unit_of(*row.query_ns);
@@ -44,11 +51,8 @@ std::string time_of(const Row& row) {
                      *row.query_ns_low / unit.ns, *row.query_ns_high / unit.ns);
 }
 
-}  // namespace
-
-std::string format_time_ns(double ns) {
-  const Unit unit = unit_of(ns);
-  return fmt::format("{:.3g} {}", ns / unit.ns, unit.name);
+std::string counted(std::size_t n, const std::string& one, const std::string& many) {
+  return fmt::format("{} {}", n, n == 1 ? one : many.empty() ? one + "s" : many);
 }
 
 std::string format_error(std::optional<double> error) { return error ? fmt::format("{:.2g}", *error) : "-"; }
@@ -74,11 +78,10 @@ std::string format_table(const std::vector<Row>& rows) {
     constexpr double last = std::numeric_limits<double>::infinity();
     return a->query_ns.value_or(last) < b->query_ns.value_or(last);
   });
-  std::string out =
-      fmt::format("\n{} (n = {}, {} queries a set at most)\n", rows.front().block, rows.front().n,
-                  std::max_element(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
-                    return a.queries < b.queries;
-                  })->queries);
+  const auto most = std::max_element(rows.begin(), rows.end(),
+                                     [](const Row& a, const Row& b) { return a.queries < b.queries; });
+  std::string out = fmt::format("\n{} (n = {}, a set has at most {})\n", rows.front().block, rows.front().n,
+                                counted(most->queries, "query", "queries"));
   std::size_t width = 0;
   for (const Row* row : sorted) width = std::max(width, row->method.size() + 2 + knobs_of(*row).size());
   std::string set;
@@ -88,7 +91,7 @@ std::string format_table(const std::vector<Row>& rows) {
       out += fmt::format("  {:<{}} {:<24} {:>9}  status\n", set, width + 2, "time/query [interval]", "error");
     }
     const std::string name = row->method + "  " + knobs_of(*row);
-    out += fmt::format("    {:<{}} {:<24} {:>9}  {}{}\n", name, width, time_of(*row),
+    out += fmt::format("    {:<{}} {:<24} {:>9}  {}{}\n", name, width, format_time(*row),
                        format_error(row->errors.error), to_string(row->status),
                        row->reason.empty() ? "" : ": " + shortened(row->reason));
   }

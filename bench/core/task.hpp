@@ -49,7 +49,8 @@ struct MethodInfo {
   std::vector<Knobs> build_knobs{Knobs::object()};
   std::vector<Knobs> query_knobs{Knobs::object()};  // swept on one build
   std::vector<std::size_t> stress_builds{0};        // which of build_knobs face the hard cases
-  int ladder = 0;  // order from the least model to the richest, for advice at equal cost
+  int ladder = 0;              // order from the least model to the richest, for advice at equal cost
+  bool keeps_no_copy = false;  // refers to the caller's data, which must stay as long as it does
   std::size_t sweep_up_to_n = SIZE_MAX;    // above, only the first of build_knobs
   std::size_t quick_builds = SIZE_MAX;     // so many of build_knobs, the best first, in the quick profile
   std::size_t largest_n = SIZE_MAX;        // not run above (brute force); the row says `unsupported`
@@ -78,6 +79,13 @@ class Block {
   virtual std::size_t n() const = 0;
   virtual std::uint64_t seed() const = 0;
   virtual std::uint64_t dataset_hash() const = 0;
+  /// Bytes of the caller's data, which a method that keeps no copy needs beside its own; nothing if that has
+  /// not been looked into here.
+  virtual std::optional<std::size_t> input_bytes() const { return std::nullopt; }
+  /// Whether the method has anything to say to this dataset; if not it has no cells here.
+  virtual bool offers(std::size_t method) const { return static_cast<void>(method), true; }
+  /// Whether queries and truth are about the dataset's doubles, not about what float makes of them.
+  virtual bool in_double() const { return false; }
   /// Whether time is short: then only MethodInfo::quick_builds of each method are measured.
   virtual bool quick() const { return false; }
 };

@@ -19,8 +19,9 @@ struct Asked {
   std::string suffix{};
 };
 
-/// A block over a cloud or the vertices of a mesh. Truths are computed when first needed, by all cores, and
-/// cached. Methods must outlive the block.
+/// A block over a cloud or the vertices of a mesh; over its doubles where it has them, for which other
+/// methods are offered. Truths are computed when first needed, by all cores, and cached. Methods must outlive
+/// the block.
 std::unique_ptr<Block> open_block(const std::vector<Method>&, datasets::Dataset, const Asked&,
                                   int task_version, const RunContext&);
 

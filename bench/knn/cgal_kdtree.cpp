@@ -23,17 +23,21 @@
 namespace treeline::bench::knn {
 namespace {
 
-using Kernel = CGAL::Simple_cartesian<float>;
-using Point = Kernel::Point_3;
-using Item = std::pair<Point, Id>;
-using Traits =
-    CGAL::Search_traits_adapter<Item, CGAL::First_of_pair_property_map<Item>, CGAL::Search_traits_3<Kernel>>;
-using Distance = CGAL::Distance_adapter<Item, CGAL::First_of_pair_property_map<Item>,
-                                        CGAL::Euclidean_distance<CGAL::Search_traits_3<Kernel>>>;
-using Sphere = CGAL::Fuzzy_sphere<Traits>;
-using IsoBox = CGAL::Fuzzy_iso_box<Traits>;
+/// CGAL's types over floats or doubles.
+template <class T>
+struct Cgal {
+  using Kernel = CGAL::Simple_cartesian<T>;
+  using Point = typename Kernel::Point_3;
+  using Item = std::pair<Point, Id>;
+  using First = CGAL::First_of_pair_property_map<Item>;
+  using Plain = CGAL::Search_traits_3<Kernel>;
+  using Traits = CGAL::Search_traits_adapter<Item, First, Plain>;
+  using Distance = CGAL::Distance_adapter<Item, First, CGAL::Euclidean_distance<Plain>>;
+  using Sphere = CGAL::Fuzzy_sphere<Traits>;
+  using IsoBox = CGAL::Fuzzy_iso_box<Traits>;
 
-Point point(const Vec3f& p) { return {p[0], p[1], p[2]}; }
+  static Point point(const geometry::Vec<T, 3>& p) { return {p[0], p[1], p[2]}; }
+};
 
 // Output iterator that keeps the id of an item.
 struct IdSink {
@@ -46,19 +50,25 @@ struct IdSink {
   IdSink& operator*() { return *this; }
   IdSink& operator++() { return *this; }
   IdSink operator++(int) { return *this; }
+  template <class Item>
   IdSink& operator=(const Item& item) {
     ids->push_back(item.second);
     return *this;
   }
 };
 
-template <class Splitter>
-class CgalKdtree final : public Index {
-  using Tree = CGAL::Kd_tree<Traits, Splitter, CGAL::Tag_true, CGAL::Tag_true>;
-  using Search = CGAL::Orthogonal_k_neighbor_search<Traits, Distance, Splitter, Tree>;
+template <class T, template <class...> class SplitterOf>
+class CgalKdtree final : public IndexOf<T> {
+  using C = Cgal<T>;
+  using Item = typename C::Item;
+  using Splitter = SplitterOf<typename C::Traits>;
+  using Tree = CGAL::Kd_tree<typename C::Traits, Splitter, CGAL::Tag_true, CGAL::Tag_true>;
+  using Search = CGAL::Orthogonal_k_neighbor_search<typename C::Traits, typename C::Distance, Splitter, Tree>;
+  using Point = geometry::Vec<T, 3>;
+  using Box = geometry::Box<T, 3>;
 
  public:
-  CgalKdtree(const Input& input, const Knobs& knobs)
+  CgalKdtree(const InputOf<T>& input, const Knobs& knobs)
       : items_(items(input)),
         tree_(items_.begin(), items_.end(), Splitter(knobs.at("bucket_size").get<unsigned>())) {
     items_ = {};
@@ -68,36 +78,36 @@ class CgalKdtree final : public Index {
       oneapi::tbb::task_arena(input.threads).execute([&] { tree_.template build<CGAL::Parallel_tag>(); });
   }
 
-  void nearest(std::span<const Vec3f> queries, std::size_t k, const Knobs&, int threads,
+  void nearest(std::span<const Point> queries, std::size_t k, const Knobs&, int threads,
                std::span<Id> ids) const override {
     accel::parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const Search search(tree_, point(queries[i]), static_cast<unsigned>(k));
+        const Search search(tree_, C::point(queries[i]), static_cast<unsigned>(k));
         std::size_t j = i * k;
         for (const auto& [item, distance2] : search) ids[j++] = item.second;
       }
     });
   }
 
-  void within(std::span<const Vec3f> queries, float radius, const Knobs&, int threads,
+  void within(std::span<const Point> queries, T radius, const Knobs&, int threads,
               Lists<Id>& lists) const override {
     accel::parallel_lists(queries.size(), threads, lists, [&](std::size_t i, std::vector<Id>& ids) {
-      tree_.search(IdSink{&ids}, Sphere(point(queries[i]), radius));
+      tree_.search(IdSink{&ids}, typename C::Sphere(C::point(queries[i]), radius));
     });
   }
 
-  void inside(std::span<const Box3f> boxes, const Knobs&, int threads, Lists<Id>& lists) const override {
+  void inside(std::span<const Box> boxes, const Knobs&, int threads, Lists<Id>& lists) const override {
     accel::parallel_lists(boxes.size(), threads, lists, [&](std::size_t i, std::vector<Id>& ids) {
-      tree_.search(IdSink{&ids}, IsoBox(point(boxes[i].low), point(boxes[i].high)));
+      tree_.search(IdSink{&ids}, typename C::IsoBox(C::point(boxes[i].low), C::point(boxes[i].high)));
     });
   }
 
  private:
-  static std::vector<Item> items(const Input& input) {
+  static std::vector<Item> items(const InputOf<T>& input) {
     std::vector<Item> r;
     r.reserve(input.points.size());
     for (std::size_t i = 0; i < input.points.size(); ++i)
-      r.emplace_back(point(input.points[i]), static_cast<Id>(i));
+      r.emplace_back(C::point(input.points[i]), static_cast<Id>(i));
     return r;
   }
 
@@ -115,11 +125,11 @@ std::unique_ptr<Index> build(const Input& input, const Knobs& knobs) {
     if (input.points.size() > largest_fair)
       throw Unsupported("sliding fair is not built above n = " + std::to_string(largest_fair) +
                         ": on uneven clouds it gets as deep as they have points and overflows the stack");
-    return std::make_unique<CgalKdtree<CGAL::Sliding_fair<Traits>>>(input, knobs);
+    return std::make_unique<CgalKdtree<float, CGAL::Sliding_fair>>(input, knobs);
   }
   if (splitter == "median_of_max_spread")
-    return std::make_unique<CgalKdtree<CGAL::Median_of_max_spread<Traits>>>(input, knobs);
-  return std::make_unique<CgalKdtree<CGAL::Sliding_midpoint<Traits>>>(input, knobs);
+    return std::make_unique<CgalKdtree<float, CGAL::Median_of_max_spread>>(input, knobs);
+  return std::make_unique<CgalKdtree<float, CGAL::Sliding_midpoint>>(input, knobs);
 }
 
 [[maybe_unused]] const bool registered = Registry<Method>::instance().add(
@@ -136,6 +146,19 @@ std::unique_ptr<Index> build(const Input& input, const Knobs& knobs) {
               .ladder = 34,
               .quick_builds = 2},
      .build = build});
+[[maybe_unused]] const bool registered_double = Registry<Method>::instance().add(
+    {.info = {.name = "cgal_kdtree_double",
+              .family = "kd",
+              .source = Source::peer,
+              .peer_version = CGAL_VERSION_STR,
+              .build_knobs = {{{"bucket_size", 10}, {"splitter", "sliding_midpoint"}},
+                              {{"bucket_size", 20}, {"splitter", "sliding_midpoint"}}},
+              .ladder = 44,
+              .scales = false},
+     .build_double = [](const InputOf<double>& input,
+                        const Knobs& knobs) -> std::unique_ptr<IndexOf<double>> {
+       return std::make_unique<CgalKdtree<double, CGAL::Sliding_midpoint>>(input, knobs);
+     }});
 
 }  // namespace
 }  // namespace treeline::bench::knn

@@ -3,10 +3,9 @@
 namespace treeline::bench::knn {
 
 using accel::Id;
-using geometry::Box3f;
-using geometry::Vec3f;
 
-DoubleScan::DoubleScan(std::span<const Vec3f> points) {
+template <class T>
+ScanOf<T>::ScanOf(std::span<const Point> points) {
   x_.reserve(points.size()), y_.reserve(points.size()), z_.reserve(points.size()),
       ids_.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -16,15 +15,17 @@ DoubleScan::DoubleScan(std::span<const Vec3f> points) {
   }
 }
 
-Box3f DoubleScan::box() const {
-  Box3f b;
+template <class T>
+auto ScanOf<T>::box() const -> Box {
+  Box b;
   for (std::size_t i = 0; i < size(); ++i) b.grow(point(i));
   return b;
 }
 
 // Distances of a stretch are computed without branches; only a stretch with a candidate is looked at again.
+template <class T>
 template <class Distance2>
-std::vector<DoubleScan::Found> DoubleScan::select(std::size_t k, Distance2 distance2) const {
+std::vector<ScanFound> ScanOf<T>::select(std::size_t k, Distance2 distance2) const {
   std::vector<Found> heap;
   k = std::min(k, size());
   if (k == 0) return heap;
@@ -57,7 +58,8 @@ std::vector<DoubleScan::Found> DoubleScan::select(std::size_t k, Distance2 dista
   return heap;
 }
 
-std::vector<DoubleScan::Found> DoubleScan::nearest(const Vec3f& query, std::size_t k) const {
+template <class T>
+std::vector<ScanFound> ScanOf<T>::nearest(const Point& query, std::size_t k) const {
   const double qx = query[0], qy = query[1], qz = query[2];
   return select(k, [&](std::size_t i) {
     const double dx = x_[i] - qx, dy = y_[i] - qy, dz = z_[i] - qz;
@@ -65,7 +67,8 @@ std::vector<DoubleScan::Found> DoubleScan::nearest(const Vec3f& query, std::size
   });
 }
 
-std::vector<DoubleScan::Found> DoubleScan::nearest_by_cube(const Vec3f& query, std::size_t k) const {
+template <class T>
+std::vector<ScanFound> ScanOf<T>::nearest_by_cube(const Point& query, std::size_t k) const {
   const double qx = query[0], qy = query[1], qz = query[2];
   return select(k, [&](std::size_t i) {
     const double dx = std::abs(x_[i] - qx), dy = std::abs(y_[i] - qy), dz = std::abs(z_[i] - qz);
@@ -74,7 +77,8 @@ std::vector<DoubleScan::Found> DoubleScan::nearest_by_cube(const Vec3f& query, s
   });
 }
 
-RangeAnswer DoubleScan::within(const Vec3f& query, double radius) const {
+template <class T>
+RangeAnswer ScanOf<T>::within(const Point& query, double radius) const {
   RangeAnswer r;
   if (!(radius >= 0)) return r;
   const double qx = query[0], qy = query[1], qz = query[2];
@@ -88,7 +92,8 @@ RangeAnswer DoubleScan::within(const Vec3f& query, double radius) const {
   return r;
 }
 
-RangeAnswer DoubleScan::inside(const Box3f& box) const {
+template <class T>
+RangeAnswer ScanOf<T>::inside(const Box& box) const {
   RangeAnswer r;
   double low[3], high[3], slack[3];
   for (int a = 0; a < 3; ++a) {
@@ -105,5 +110,8 @@ RangeAnswer DoubleScan::inside(const Box3f& box) const {
   }
   return r;
 }
+
+template class ScanOf<float>;
+template class ScanOf<double>;
 
 }  // namespace treeline::bench::knn

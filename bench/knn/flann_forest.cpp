@@ -20,6 +20,7 @@ namespace {
               .build_knobs = {{{"trees", 4}}, {{"trees", 8}}},
               .query_knobs = {{{"checks", 32}}, {{"checks", 128}}, {{"checks", 512}}},
               .ladder = 20,
+              .keeps_no_copy = true,
               .quick_builds = 1,
               .scales = false},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {

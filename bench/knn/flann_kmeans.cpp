@@ -19,6 +19,7 @@ namespace {
               .build_knobs = {{{"branching", 8}}, {{"branching", 32}}},
               .query_knobs = {{{"checks", 32}}, {{"checks", 128}}, {{"checks", 512}}},
               .ladder = 21,
+              .keeps_no_copy = true,
               .quick_builds = 1,
               .scales = false},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {

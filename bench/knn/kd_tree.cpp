@@ -5,9 +5,16 @@
 namespace treeline::bench::knn {
 namespace {
 
-using Tree = accel::KdTree<accel::Points<float, 3>>;
-using Split = Tree::Options::Split;
-using Bounds = Tree::Options::Bounds;
+template <class T>
+std::unique_ptr<IndexOf<T>> build(const InputOf<T>& input, const Knobs& knobs) {
+  using Tree = accel::KdTree<accel::Points<T, 3>>;
+  using Split = typename Tree::Options::Split;
+  using Bounds = typename Tree::Options::Bounds;
+  typename Tree::Options options;
+  options.split = knobs.at("split") == "median" ? Split::median : Split::sliding_midpoint;
+  options.bounds = knobs.at("bounds") == "tight_box" ? Bounds::tight_box : Bounds::planes;
+  return build_tree<Tree>(input, options, knobs);
+}
 
 [[maybe_unused]] const bool registered = Registry<Method>::instance().add(
     {.info = {.name = "kd_tree",
@@ -20,12 +27,15 @@ using Bounds = Tree::Options::Bounds;
               .ladder = 10,
               .sweep_up_to_n = 1'000'000,
               .quick_builds = 2},
-     .build = [](const Input& input, const Knobs& knobs) {
-       Tree::Options options;
-       options.split = knobs.at("split") == "median" ? Split::median : Split::sliding_midpoint;
-       options.bounds = knobs.at("bounds") == "tight_box" ? Bounds::tight_box : Bounds::planes;
-       return build_tree<Tree>(input, options, knobs);
-     }});
+     .build = build<float>});
+[[maybe_unused]] const bool registered_double = Registry<Method>::instance().add(
+    {.info = {.name = "kd_tree_double",
+              .family = "kd",
+              .build_knobs = {{{"leaf_size", 16}, {"split", "sliding_midpoint"}, {"bounds", "tight_box"}},
+                              {{"leaf_size", 16}, {"split", "sliding_midpoint"}, {"bounds", "planes"}}},
+              .ladder = 20,
+              .scales = false},
+     .build_double = build<double>});
 
 }  // namespace
 }  // namespace treeline::bench::knn

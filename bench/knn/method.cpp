@@ -2,20 +2,36 @@
 
 namespace treeline::bench::knn {
 
-void Index::nearest(std::span<const Vec3f>, std::size_t, const Knobs&, int, std::span<Id>) const {
+template <class T>
+void IndexOf<T>::nearest(std::span<const Point>, std::size_t, const Knobs&, int, std::span<Id>) const {
   throw Unsupported("has no k-nearest query");
 }
-void Index::within(std::span<const Vec3f>, float, const Knobs&, int, Lists<Id>&) const {
+template <class T>
+void IndexOf<T>::within(std::span<const Point>, T, const Knobs&, int, Lists<Id>&) const {
   throw Unsupported("has no radius query");
 }
-void Index::inside(std::span<const Box3f>, const Knobs&, int, Lists<Id>&) const {
+template <class T>
+void IndexOf<T>::inside(std::span<const Box>, const Knobs&, int, Lists<Id>&) const {
   throw Unsupported("has no box query");
 }
-std::optional<Visits> Index::nearest_visits(std::span<const Vec3f>, std::size_t, const Knobs&) const {
+template <class T>
+std::optional<Visits> IndexOf<T>::nearest_visits(std::span<const Point>, std::size_t, const Knobs&) const {
   return {};
 }
-std::optional<Visits> Index::within_visits(std::span<const Vec3f>, float) const { return {}; }
-std::optional<Visits> Index::inside_visits(std::span<const Box3f>) const { return {}; }
-std::vector<accel::SliceCell> Index::slice(int, double) const { return {}; }
+template <class T>
+std::optional<Visits> IndexOf<T>::within_visits(std::span<const Point>, T) const {
+  return {};
+}
+template <class T>
+std::optional<Visits> IndexOf<T>::inside_visits(std::span<const Box>) const {
+  return {};
+}
+template <class T>
+std::vector<accel::SliceCell> IndexOf<T>::slice(int, double) const {
+  return {};
+}
+
+template class IndexOf<float>;
+template class IndexOf<double>;
 
 }  // namespace treeline::bench::knn

@@ -12,6 +12,7 @@ using geometry::Vec3d;
 using geometry::Vec3f;
 
 double float_floor() { return geometry::tolerance::gamma<float>(5); }
+double double_floor() { return geometry::tolerance::gamma<double>(15); }
 
 namespace {
 
@@ -66,7 +67,8 @@ struct Answered {
   std::size_t invalid = 0, repeated = 0;
 };
 
-Answered answered(std::span<const Vec3f> points, const Vec3f& query, std::span<const Id> row) {
+template <class Point>
+Answered answered(std::span<const Point> points, const Point& query, std::span<const Id> row) {
   Answered r;
   std::vector<Id> seen;
   for (const Id id : row) {
@@ -91,14 +93,13 @@ double excess_of(double distance, double truth) {
   return truth > 0 ? (distance - truth) / truth : 1.0;
 }
 
-}  // namespace
-
-Errors nearest_errors(std::span<const Vec3f> points, std::span<const Vec3f> queries, std::size_t k,
-                      std::span<const Id> ids, const NearestTruth& truth, Claim claim, double bound) {
+template <class Point>
+Errors errors_above(double floor, std::span<const Point> points, std::span<const Point> queries,
+                    std::size_t k, std::span<const Id> ids, const NearestTruth& truth, Claim claim,
+                    double bound) {
   Summary summary;
   Errors verdict;
   std::size_t met = 0, met_1pct = 0, met_10pct = 0, wanted = 0, missing = 0, wrong = 0;
-  const double floor = float_floor();
   for (std::size_t i = 0; i < truth.sample.size(); ++i) {
     const std::uint32_t number = truth.sample[i];
     const auto row = ids.subspan(number * k, k);
@@ -160,7 +161,18 @@ Errors nearest_errors(std::span<const Vec3f> points, std::span<const Vec3f> quer
   return e;
 }
 
-Errors range_errors(const accel::Lists<Id>& ids, const RangeTruth& truth, Claim claim) {
+}  // namespace
+
+Errors nearest_errors(std::span<const Vec3f> points, std::span<const Vec3f> queries, std::size_t k,
+                      std::span<const Id> ids, const NearestTruth& truth, Claim claim, double bound) {
+  return errors_above(float_floor(), points, queries, k, ids, truth, claim, bound);
+}
+Errors nearest_errors(std::span<const Vec3d> points, std::span<const Vec3d> queries, std::size_t k,
+                      std::span<const Id> ids, const NearestTruth& truth, Claim claim, double bound) {
+  return errors_above(double_floor(), points, queries, k, ids, truth, claim, bound);
+}
+
+Errors range_errors(const accel::Lists<Id>& ids, const RangeTruth& truth, Claim claim, bool rounds_points) {
   Summary summary;
   Errors verdict;
   std::size_t all_missing = 0, all_surplus = 0, all_right = 0, wrong = 0;
@@ -172,7 +184,8 @@ Errors range_errors(const accel::Lists<Id>& ids, const RangeTruth& truth, Claim 
     got.assign(list.begin(), list.end());
     std::sort(got.begin(), got.end());
     const auto last = std::unique(got.begin(), got.end());
-    std::size_t surplus = static_cast<std::size_t>(got.end() - last);
+    const auto repeated = static_cast<std::size_t>(got.end() - last);
+    std::size_t surplus = repeated;
     got.erase(last, got.end());
     std::size_t found = 0;
     for (const Id id : got) {
@@ -191,7 +204,8 @@ Errors range_errors(const accel::Lists<Id>& ids, const RangeTruth& truth, Claim 
     wrong += missing + surplus > 0 ? 1 : 0;
     if (!truth.answerable[i] && !list.empty())
       blame(verdict, number, "returned points for a query that is not a number");
-    if (surplus > 0) blame(verdict, number, std::to_string(surplus) + " surplus ids");
+    if (rounds_points ? repeated > 0 : surplus > 0)
+      blame(verdict, number, std::to_string(surplus) + " surplus ids");
     if (missing > 0 && claim == Claim::exact)
       blame(verdict, number,
             std::to_string(missing) + " of " + std::to_string(right.must.size()) + " missing");

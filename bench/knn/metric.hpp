@@ -22,6 +22,10 @@ namespace treeline::bench::knn {
 /// exceeds the true one by at most 2·gamma(5), and the distance by gamma(5).
 double float_floor();
 
+/// The same where points and queries are doubles: the search rounds as above with 2^-53, and so does the
+/// truth that it is held against, and the distance derived here.
+double double_floor();
+
 /// `ids` holds rows of k. knn_recall: share of the true answers that are met by distance, ties allowed
 /// (distance ≤ true k-th · (1 + 1e-6)); knn_recall_1pct, knn_recall_10pct: the same for distances up to 1 %
 /// and 10 % above it (Aumüller, Bernhardsson and Faithfull 2020); knn_missing: share of them that are
@@ -32,9 +36,16 @@ Errors nearest_errors(std::span<const geometry::Vec3f> points, std::span<const g
                       std::size_t k, std::span<const accel::Id> ids, const NearestTruth& truth, Claim claim,
                       double bound = 0);
 
+/// The same over doubles.
+Errors nearest_errors(std::span<const geometry::Vec3d> points, std::span<const geometry::Vec3d> queries,
+                      std::size_t k, std::span<const accel::Id> ids, const NearestTruth& truth, Claim claim,
+                      double bound = 0);
+
 /// knn_recall: share of the right answers that are found; knn_missing, knn_surplus: per right answer, over
 /// all queries; knn_wrong: share of the queries with any of either. Claim exact: wrong for any of either.
-/// Otherwise: wrong for surplus only.
-Errors range_errors(const accel::Lists<accel::Id>& ids, const RangeTruth& truth, Claim claim);
+/// Otherwise: wrong for surplus only; where the method says that it rounds the points, a border moves for
+/// some, and only repeated ids are wrong.
+Errors range_errors(const accel::Lists<accel::Id>& ids, const RangeTruth& truth, Claim claim,
+                    bool rounds_points = false);
 
 }  // namespace treeline::bench::knn

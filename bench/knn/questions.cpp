@@ -10,7 +10,8 @@
 
 namespace treeline::bench::knn {
 
-using geometry::Box3f;
+using geometry::Box;
+using geometry::Vec;
 using geometry::Vec3d;
 using geometry::Vec3f;
 
@@ -33,24 +34,26 @@ std::vector<std::uint32_t> random_choice(std::size_t n, std::size_t count, geome
   return numbers;
 }
 
-std::vector<Vec3f> off_cloud(const Box3f& box, std::size_t count, geometry::Pcg32& random) {
-  const float margin = static_cast<float>(enlarged / 2) * box.extent()[box.widest_axis()];
-  std::vector<Vec3f> r(count);
-  for (Vec3f& p : r)
-    for (int a = 0; a < 3; ++a) p[a] = random.uniform<float>(box.low[a] - margin, box.high[a] + margin);
+template <class T>
+std::vector<Vec<T, 3>> off_cloud(const Box<T, 3>& box, std::size_t count, geometry::Pcg32& random) {
+  const T margin = static_cast<T>(enlarged / 2) * box.extent()[box.widest_axis()];
+  std::vector<Vec<T, 3>> r(count);
+  for (auto& p : r)
+    for (int a = 0; a < 3; ++a) p[a] = random.uniform<T>(box.low[a] - margin, box.high[a] + margin);
   return r;
 }
 
-std::vector<Vec3f> far_around(const Box3f& box, std::size_t count, geometry::Pcg32& random) {
-  constexpr double largest = std::numeric_limits<float>::max();
+template <class T>
+std::vector<Vec<T, 3>> far_around(const Box<T, 3>& box, std::size_t count, geometry::Pcg32& random) {
+  constexpr double largest = std::numeric_limits<T>::max();
   const Vec3d low(box.low), high(box.high), centre = (low + high) * 0.5;
   const double diagonal = length(high - low);
-  std::vector<Vec3f> r(count);
-  for (Vec3f& p : r) {
+  std::vector<Vec<T, 3>> r(count);
+  for (auto& p : r) {
     const double u = random.uniform<double>(), v = random.uniform<double>();
     const double away = diagonal * random.uniform<double>(nearest_far, farthest_far);
     const Vec3d at = centre + geometry::sample_sphere(u, v) * away;
-    for (int a = 0; a < 3; ++a) p[a] = static_cast<float>(std::clamp(at[a], -largest, largest));
+    for (int a = 0; a < 3; ++a) p[a] = static_cast<T>(std::clamp(at[a], -largest, largest));
   }
   return r;
 }
@@ -63,7 +66,8 @@ std::uint64_t spread_bits(std::uint64_t x) {
 }
 
 // Numbers of the points along a Morton curve through the box.
-std::vector<std::uint32_t> morton_order(const std::vector<Vec3f>& points, const Box3f& box) {
+template <class T>
+std::vector<std::uint32_t> morton_order(const std::vector<Vec<T, 3>>& points, const Box<T, 3>& box) {
   constexpr double cells = 1 << 21;
   const double widest = box.extent()[box.widest_axis()];
   std::vector<std::pair<std::uint64_t, std::uint32_t>> codes;
@@ -83,13 +87,13 @@ std::vector<std::uint32_t> morton_order(const std::vector<Vec3f>& points, const 
 
 // The distance that holds `average` points a query on average, pooled over the sampled ones: since no query
 // can hold more than all of the pool, the nearest average·samples of each are enough.
-template <class Nearest>
-double pooled_distance(const std::vector<Vec3f>& sample, int threads, Nearest nearest) {
+template <class Point, class Nearest>
+double pooled_distance(const std::vector<Point>& sample, int threads, Nearest nearest) {
   const std::size_t pool = average * sample.size();
   std::vector<std::vector<double>> each(sample.size());
   parallel_chunks(sample.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      for (const DoubleScan::Found& f : nearest(sample[i], pool)) each[i].push_back(f.distance2);
+      for (const ScanFound& f : nearest(sample[i], pool)) each[i].push_back(f.distance2);
   });
   std::vector<double> all;
   for (const auto& e : each) all.insert(all.end(), e.begin(), e.end());
@@ -103,9 +107,10 @@ double pooled_distance(const std::vector<Vec3f>& sample, int threads, Nearest ne
          2;
 }
 
-double median_spacing(const DoubleScan& cloud, const std::vector<Vec3f>& sample) {
+template <class T>
+double median_spacing(const ScanOf<T>& cloud, const std::vector<Vec<T, 3>>& sample) {
   std::vector<double> d;
-  for (const Vec3f& p : sample) {
+  for (const auto& p : sample) {
     const auto found = cloud.nearest(p, 2);
     if (found.size() == 2) d.push_back(std::sqrt(found[1].distance2));
   }
@@ -115,48 +120,54 @@ double median_spacing(const DoubleScan& cloud, const std::vector<Vec3f>& sample)
   return *middle;
 }
 
-Box3f cube(const Vec3f& centre, float half) {
-  const Vec3f h = Vec3f::filled(half);
+template <class T>
+Box<T, 3> cube(const Vec<T, 3>& centre, T half) {
+  const auto h = Vec<T, 3>::filled(half);
   return {centre - h, centre + h};
 }
 
 }  // namespace
 
-Questions questions_about(const DoubleScan& cloud, std::size_t count, std::uint64_t seed, int threads) {
+template <class T>
+QuestionsOf<T> questions_about(const ScanOf<T>& cloud, std::size_t count, std::uint64_t seed, int threads) {
   if (cloud.size() == 0) throw std::invalid_argument("the cloud has no finite point to ask about");
-  using Kind = Questions::Kind;
+  using Kind = QuestionKinds::Kind;
+  using Point = Vec<T, 3>;
   geometry::Pcg32 random(seed, 7);  // a stream of its own, apart from the recipes'
-  Questions q;
-  std::vector<Vec3f>& self = q.points[Questions::self];
-  const Box3f box = cloud.box();
+  QuestionsOf<T> q;
+  std::vector<Point>& self = q.points[QuestionKinds::self];
+  const Box<T, 3> box = cloud.box();
   for (const std::uint32_t i : random_choice(cloud.size(), count, random)) self.push_back(cloud.point(i));
-  q.points[Questions::off] = off_cloud(box, count, random);
-  q.points[Questions::far] = far_around(box, std::min(count, most_far), random);
+  q.points[QuestionKinds::off] = off_cloud(box, count, random);
+  q.points[QuestionKinds::far] = far_around(box, std::min(count, most_far), random);
   q.order = morton_order(self, box);
-  for (const std::uint32_t i : q.order) q.points[Questions::sorted].push_back(self[i]);
+  for (const std::uint32_t i : q.order) q.points[QuestionKinds::sorted].push_back(self[i]);
 
-  std::vector<Vec3f> sample;
+  std::vector<Point> sample;
   for (const std::uint32_t i : spread_sample(self.size(), sampled_points)) sample.push_back(self[i]);
-  q.radius = static_cast<float>(
-      pooled_distance(sample, threads, [&](const Vec3f& p, std::size_t k) { return cloud.nearest(p, k); }));
-  const auto half = static_cast<float>(pooled_distance(
-      sample, threads, [&](const Vec3f& p, std::size_t k) { return cloud.nearest_by_cube(p, k); }));
-  for (const Vec3f& p : self) q.boxes.push_back(cube(p, half));
+  q.radius = static_cast<T>(
+      pooled_distance(sample, threads, [&](const Point& p, std::size_t k) { return cloud.nearest(p, k); }));
+  const auto half = static_cast<T>(pooled_distance(
+      sample, threads, [&](const Point& p, std::size_t k) { return cloud.nearest_by_cube(p, k); }));
+  for (const Point& p : self) q.boxes.push_back(cube(p, half));
   q.spacing = median_spacing(cloud, sample);
 
-  q.sets = {{"knn1_self", Kind::nearest, 1, Questions::self},
-            {"knn8_self", Kind::nearest, 8, Questions::self},
-            {"knn8_sorted", Kind::nearest, 8, Questions::sorted},
-            {"knn32_self", Kind::nearest, 32, Questions::self},
-            {"knn100_self", Kind::nearest, 100, Questions::self},
-            {"knn1_off", Kind::nearest, 1, Questions::off},
-            {"knn8_off", Kind::nearest, 8, Questions::off},
-            {"knn32_off", Kind::nearest, 32, Questions::off},
-            {"knn8_far", Kind::nearest, 8, Questions::far},
-            {"radius_self", Kind::within, 0, Questions::self},
-            {"box_self", Kind::inside, 0, Questions::self}};
+  q.sets = {{"knn1_self", Kind::nearest, 1, QuestionKinds::self},
+            {"knn8_self", Kind::nearest, 8, QuestionKinds::self},
+            {"knn8_sorted", Kind::nearest, 8, QuestionKinds::sorted},
+            {"knn32_self", Kind::nearest, 32, QuestionKinds::self},
+            {"knn100_self", Kind::nearest, 100, QuestionKinds::self},
+            {"knn1_off", Kind::nearest, 1, QuestionKinds::off},
+            {"knn8_off", Kind::nearest, 8, QuestionKinds::off},
+            {"knn32_off", Kind::nearest, 32, QuestionKinds::off},
+            {"knn8_far", Kind::nearest, 8, QuestionKinds::far},
+            {"radius_self", Kind::within, 0, QuestionKinds::self},
+            {"box_self", Kind::inside, 0, QuestionKinds::self}};
   return q;
 }
+
+template QuestionsOf<float> questions_about(const ScanOf<float>&, std::size_t, std::uint64_t, int);
+template QuestionsOf<double> questions_about(const ScanOf<double>&, std::size_t, std::uint64_t, int);
 
 Questions questions_of(const datasets::HardCase& hard_case, const DoubleScan& cloud) {
   using Kind = Questions::Kind;

@@ -17,7 +17,8 @@
 
 namespace treeline::bench::knn {
 
-struct Questions {
+/// What does not depend on the points' scalar.
+struct QuestionKinds {
   enum class Kind { nearest, within, inside };
   enum Place { self, sorted, off, far };
   static constexpr int places = 4;
@@ -27,23 +28,31 @@ struct Questions {
     std::size_t k = 0;
     Place place = self;
   };
+};
+
+template <class T>
+struct QuestionsOf : QuestionKinds {
+  using Point = geometry::Vec<T, 3>;
 
   std::vector<Set> sets;
-  std::array<std::vector<geometry::Vec3f>, places> points;  // by place
-  std::vector<std::uint32_t> order;                         // sorted[i] is self[order[i]]
-  std::vector<geometry::Box3f> boxes;
-  float radius = 0;
+  std::array<std::vector<Point>, places> points;  // by place
+  std::vector<std::uint32_t> order;               // sorted[i] is self[order[i]]
+  std::vector<geometry::Box<T, 3>> boxes;
+  T radius = 0;
   double spacing = 0;  // median distance from a point to its nearest other one
 
-  const std::vector<geometry::Vec3f>& points_of(const Set& set) const { return points[set.place]; }
+  const std::vector<Point>& points_of(const Set& set) const { return points[set.place]; }
   std::size_t size_of(const Set& set) const {
     return set.kind == Kind::inside ? boxes.size() : points_of(set).size();
   }
 };
 
+using Questions = QuestionsOf<float>;
+
 /// All sets, at most `count` queries each. Equal clouds and seeds give equal questions, with any number of
 /// threads. Throws std::invalid_argument if no point of the cloud is finite.
-Questions questions_about(const DoubleScan& cloud, std::size_t count, std::uint64_t seed, int threads);
+template <class T>
+QuestionsOf<T> questions_about(const ScanOf<T>& cloud, std::size_t count, std::uint64_t seed, int threads);
 
 /// The queries of a hard case at its k, and, where it has a radius, radius and box queries (the cube of
 /// that half width) too. Boxes are left out if a query is not finite or the radius negative.

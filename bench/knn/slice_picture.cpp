@@ -140,7 +140,7 @@ void write_pictures(const std::vector<Method>& methods, std::span<const Vec3f> p
           {"method", ""},
           {"kind", "density"}});
   for (const Method& method : methods) {
-    if (method.info.source != Source::ours || method.info.family == "brute") continue;
+    if (method.info.source != Source::ours || method.info.family == "brute" || !method.build) continue;
     const Knobs& knobs = method.info.build_knobs.front();
     const auto cells = method.build({.points = points, .finite = false}, knobs)->slice(axis, offset);
     if (cells.empty()) continue;

@@ -15,8 +15,9 @@ inline bool one_by_one(const Knobs& knobs) {
   return knobs.contains("batch") && !knobs.at("batch").get<bool>();
 }
 
-inline accel::NearestOptions<float> options_of(const Knobs& knobs) {
-  accel::NearestOptions<float> options;
+template <class T>
+accel::NearestOptions<T> options_of(const Knobs& knobs) {
+  accel::NearestOptions<T> options;
   if (knobs.contains("epsilon")) options.epsilon = knobs.at("epsilon").get<double>();
   if (knobs.contains("leaves")) options.max_leaves = knobs.at("leaves").get<std::size_t>();
   return options;
@@ -24,17 +25,20 @@ inline accel::NearestOptions<float> options_of(const Knobs& knobs) {
 
 template <class Tree>
 requires accel::NeighborIndex<Tree> && accel::Inspectable<Tree>
-class TreeIndex final : public Index {
-  using Neighbor = accel::Neighbor<float>;
+class TreeIndex final : public IndexOf<typename Tree::Scalar> {
+  using T = typename Tree::Scalar;
+  using Point = typename Tree::Point;
+  using Box = typename Tree::Box;
+  using Neighbor = accel::Neighbor<T>;
 
  public:
   /// drawn: false for a second method over a tree that another one shows already.
-  TreeIndex(const Input& input, const typename Tree::Options& options, bool drawn = true)
+  TreeIndex(const InputOf<T>& input, const typename Tree::Options& options, bool drawn = true)
       : tree_(input.points, options), drawn_(drawn) {}
 
-  void nearest(std::span<const Vec3f> queries, std::size_t k, const Knobs& knobs, int threads,
+  void nearest(std::span<const Point> queries, std::size_t k, const Knobs& knobs, int threads,
                std::span<Id> ids) const override {
-    const auto options = options_of(knobs);
+    const auto options = options_of<T>(knobs);
     const bool batch = !one_by_one(knobs);
     in_chunks(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
       thread_local std::vector<Neighbor> found;
@@ -50,7 +54,7 @@ class TreeIndex final : public Index {
     });
   }
 
-  void within(std::span<const Vec3f> queries, float radius, const Knobs&, int threads,
+  void within(std::span<const Point> queries, T radius, const Knobs&, int threads,
               Lists<Id>& ids) const override {
     accel::parallel_lists(queries.size(), threads, ids, [&](std::size_t i, std::vector<Id>& list) {
       thread_local std::vector<Neighbor> found;
@@ -61,27 +65,28 @@ class TreeIndex final : public Index {
     });
   }
 
-  void inside(std::span<const Box3f> boxes, const Knobs&, int threads, Lists<Id>& ids) const override {
+  void inside(std::span<const Box> boxes, const Knobs&, int threads, Lists<Id>& ids) const override {
     tree_.inside(boxes, ids, threads);
   }
 
-  std::optional<Visits> nearest_visits(std::span<const Vec3f> queries, std::size_t k,
+  std::optional<Visits> nearest_visits(std::span<const Point> queries, std::size_t k,
                                        const Knobs& knobs) const override {
     Visits visits;
     std::vector<Neighbor> found(k);
-    for (const Vec3f& q : queries) tree_.nearest(q, k, options_of(knobs), std::span<Neighbor>(found), visits);
+    for (const Point& q : queries)
+      tree_.nearest(q, k, options_of<T>(knobs), std::span<Neighbor>(found), visits);
     return visits;
   }
-  std::optional<Visits> within_visits(std::span<const Vec3f> queries, float radius) const override {
+  std::optional<Visits> within_visits(std::span<const Point> queries, T radius) const override {
     Visits visits;
     std::vector<Neighbor> found;
-    for (const Vec3f& q : queries) found.clear(), tree_.within(q, radius, found, visits);
+    for (const Point& q : queries) found.clear(), tree_.within(q, radius, found, visits);
     return visits;
   }
-  std::optional<Visits> inside_visits(std::span<const Box3f> boxes) const override {
+  std::optional<Visits> inside_visits(std::span<const Box> boxes) const override {
     Visits visits;
     std::vector<Id> found;
-    for (const Box3f& b : boxes) found.clear(), tree_.inside(b, found, visits);
+    for (const Box& b : boxes) found.clear(), tree_.inside(b, found, visits);
     return visits;
   }
 
@@ -105,8 +110,9 @@ class TreeIndex final : public Index {
 
 /// Points that are not finite are left out, as stats().dropped says: answers are right over the rest.
 template <class Tree>
-std::unique_ptr<Index> build_tree(const Input& input, typename Tree::Options options, const Knobs& knobs,
-                                  bool drawn = true) {
+std::unique_ptr<IndexOf<typename Tree::Scalar>> build_tree(const InputOf<typename Tree::Scalar>& input,
+                                                           typename Tree::Options options, const Knobs& knobs,
+                                                           bool drawn = true) {
   options.non_finite = accel::NonFinite::drop;
   if constexpr (requires { options.leaf_size; })
     if (knobs.contains("leaf_size")) options.leaf_size = knobs.at("leaf_size").get<int>();

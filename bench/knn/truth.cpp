@@ -8,11 +8,12 @@
 namespace treeline::bench::knn {
 
 using accel::Id;
-using geometry::Box3f;
-using geometry::Vec3f;
 
 namespace {
-bool has_nan(const Vec3f& p) { return std::isnan(p[0]) || std::isnan(p[1]) || std::isnan(p[2]); }
+template <class T>
+bool has_nan(const geometry::Vec<T, 3>& p) {
+  return std::isnan(p[0]) || std::isnan(p[1]) || std::isnan(p[2]);
+}
 }  // namespace
 
 std::vector<std::uint32_t> spread_sample(std::size_t size, std::size_t count) {
@@ -28,7 +29,8 @@ std::size_t checked_queries(std::size_t n, std::size_t queries) {
   return std::min(queries, std::max<std::size_t>(100, affordable / std::max<std::size_t>(n, 1)));
 }
 
-NearestTruth nearest_truth(const DoubleScan& scan, std::span<const Vec3f> queries, std::size_t k,
+template <class T>
+NearestTruth nearest_truth(const ScanOf<T>& scan, Queries<T> queries, std::size_t k,
                            std::vector<std::uint32_t> sample, int threads) {
   NearestTruth t;
   t.k = std::min(k, scan.size());
@@ -36,7 +38,7 @@ NearestTruth nearest_truth(const DoubleScan& scan, std::span<const Vec3f> querie
   t.distances.assign(sample.size() * t.k, 0);
   parallel_chunks(sample.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Vec3f& query = queries[sample[i]];
+      const auto& query = queries[sample[i]];
       if (has_nan(query)) continue;
       t.answerable[i] = 1;
       const auto found = scan.nearest(query, t.k);
@@ -101,7 +103,8 @@ class Reader {
 };
 }  // namespace
 
-RangeTruth within_truth(const DoubleScan& scan, std::span<const Vec3f> queries, double radius,
+template <class T>
+RangeTruth within_truth(const ScanOf<T>& scan, Queries<T> queries, double radius,
                         std::vector<std::uint32_t> sample, int threads) {
   return range_truth(std::move(sample), threads, [&](std::uint32_t query, RangeAnswer& answer) {
     if (has_nan(queries[query])) return false;
@@ -110,14 +113,26 @@ RangeTruth within_truth(const DoubleScan& scan, std::span<const Vec3f> queries, 
   });
 }
 
-RangeTruth inside_truth(const DoubleScan& scan, std::span<const Box3f> boxes,
-                        std::vector<std::uint32_t> sample, int threads) {
+template <class T>
+RangeTruth inside_truth(const ScanOf<T>& scan, Boxes<T> boxes, std::vector<std::uint32_t> sample,
+                        int threads) {
   return range_truth(std::move(sample), threads, [&](std::uint32_t query, RangeAnswer& answer) {
     if (has_nan(boxes[query].low) || has_nan(boxes[query].high)) return false;
     answer = scan.inside(boxes[query]);
     return true;
   });
 }
+
+template NearestTruth nearest_truth(const ScanOf<float>&, Queries<float>, std::size_t,
+                                    std::vector<std::uint32_t>, int);
+template RangeTruth within_truth(const ScanOf<float>&, Queries<float>, double, std::vector<std::uint32_t>,
+                                 int);
+template RangeTruth inside_truth(const ScanOf<float>&, Boxes<float>, std::vector<std::uint32_t>, int);
+template NearestTruth nearest_truth(const ScanOf<double>&, Queries<double>, std::size_t,
+                                    std::vector<std::uint32_t>, int);
+template RangeTruth within_truth(const ScanOf<double>&, Queries<double>, double, std::vector<std::uint32_t>,
+                                 int);
+template RangeTruth inside_truth(const ScanOf<double>&, Boxes<double>, std::vector<std::uint32_t>, int);
 
 std::string to_bytes(const NearestTruth& t) {
   Writer w;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "bench/knn/double_scan.hpp"
@@ -32,12 +33,19 @@ struct RangeTruth {
   std::vector<RangeAnswer> answers;
 };
 
-NearestTruth nearest_truth(const DoubleScan&, std::span<const geometry::Vec3f> queries, std::size_t k,
+template <class T>
+using Queries = std::span<const std::type_identity_t<geometry::Vec<T, 3>>>;
+template <class T>
+using Boxes = std::span<const std::type_identity_t<geometry::Box<T, 3>>>;
+
+template <class T>
+NearestTruth nearest_truth(const ScanOf<T>&, Queries<T> queries, std::size_t k,
                            std::vector<std::uint32_t> sample, int threads);
-RangeTruth within_truth(const DoubleScan&, std::span<const geometry::Vec3f> queries, double radius,
+template <class T>
+RangeTruth within_truth(const ScanOf<T>&, Queries<T> queries, double radius,
                         std::vector<std::uint32_t> sample, int threads);
-RangeTruth inside_truth(const DoubleScan&, std::span<const geometry::Box3f> boxes,
-                        std::vector<std::uint32_t> sample, int threads);
+template <class T>
+RangeTruth inside_truth(const ScanOf<T>&, Boxes<T> boxes, std::vector<std::uint32_t> sample, int threads);
 
 /// As bytes, for the truth cache. from_bytes throws std::invalid_argument for bytes that are not such a
 /// truth.

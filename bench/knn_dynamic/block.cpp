@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <limits>
-#include <new>
 #include <numeric>
 #include <thread>
 
+#include "bench/core/refusal.hpp"
 #include "bench/knn/metric.hpp"
 #include "bench/knn_dynamic/life.hpp"
 
@@ -45,7 +45,7 @@ class DynamicSubject final : public Subject {
   DynamicSubject(const Opening& opening, const Method& method, const Knobs& knobs, int threads)
       : opening_(opening), method_(method), knobs_(knobs), threads_(threads) {
     // What its builds are timed and weighed by: half the pool at once.
-    guarded([&] {
+    keep_refusal(opening_.must_answer, refusal_, [&] {
       at_once_ = made();
       at_once_->change({}, 0, static_cast<Id>(opening_.pool.size() - opening_.pool.size() / 2));
     });
@@ -59,7 +59,7 @@ class DynamicSubject final : public Subject {
       throw Unsupported("a build of everything for each point that comes is not waited for");
     if (!refusal_.empty() && !at_once_) return;
     refusal_.clear();
-    guarded([&] {
+    keep_refusal(opening_.must_answer, refusal_, [&] {
       if (set.asks != Set::Asks::afterwards) return live(set, set.life.steps.size(), threads);
       if (lived_ != number || !index_) live(set, stop_of(set.life), threads);
       lived_ = number;
@@ -87,21 +87,6 @@ class DynamicSubject final : public Subject {
       if (set.asks == Set::Asks::newcomers)
         index_->nearest(pool.subspan(first, last - first), opening_.k, threads,
                         std::span(ids_).subspan(first * opening_.k, (last - first) * opening_.k));
-    }
-  }
-
-  template <class F>
-  void guarded(F&& f) {
-    try {
-      f();
-    } catch (const Unsupported&) {
-      throw;
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception& e) {
-      if (!opening_.must_answer) throw;
-      refusal_ = e.what();
-      if (refusal_.empty()) refusal_ = "refused without a word";
     }
   }
 
@@ -141,6 +126,8 @@ class DynamicBlock final : public Block {
   std::size_t n() const override { return opening_.pool.size() - opening_.pool.size() / 2; }
   std::uint64_t seed() const override { return opening_.seed; }
   std::uint64_t dataset_hash() const override { return opening_.hash; }
+  /// Of what a build is weighed by: the half of the pool that is there.
+  std::optional<std::size_t> input_bytes() const override { return n() * sizeof(Vec3f); }
   bool quick() const override { return opening_.quick; }
 
   std::unique_ptr<Subject> build(std::size_t m, const Knobs& knobs, int threads) override {
@@ -149,12 +136,7 @@ class DynamicBlock final : public Block {
 
   Errors check(std::size_t m, const Subject& subject, std::size_t number, const Knobs&) override {
     const auto& answers = dynamic_cast<const DynamicSubject&>(subject);
-    Errors e;
-    if (!answers.index()) {
-      e.within_claim = false;
-      e.reason = "refused what must be answered: " + answers.refusal();
-      return e;
-    }
+    if (!answers.index()) return refused_wrongly(answers.refusal());
     const Set& set = opening_.sets[number];
     const Judged& judged = judged_of(number);
     const std::size_t k = opening_.k;
@@ -173,7 +155,7 @@ class DynamicBlock final : public Block {
                           : id);
     const Errors found =
         knn::nearest_errors(judged.points, judged.at, k, ids, judged.truth, methods_[m].info.claim);
-    e = found;
+    Errors e = found;
     e.extra = Knobs::object();
     for (const auto& [name, value] : found.extra.items())
       e.extra["knn_dynamic" + name.substr(name.find('_'))] = value;

@@ -101,6 +101,7 @@ const std::vector<Knobs> leaves{{{"leaf_size", 10}}, {{"leaf_size", 20}}, {{"lea
                                                .peer_version = "1.4.3",
                                                .build_knobs = leaves,
                                                .ladder = 31,
+                                               .keeps_no_copy = true,
                                                .quick_builds = 2},
                                       .make = make<Dynamic>}) &&
     Registry<Method>::instance().add({.info = {.name = "rebuilt_nanoflann",

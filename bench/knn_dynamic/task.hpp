@@ -29,7 +29,8 @@ class KnnDynamicTask final : public Task {
   std::unique_ptr<Block> open(const BlockSpec&, const RunContext&) const override;
   /// A cloud, or the vertices of a mesh: half of it is there at a time.
   std::unique_ptr<Block> open(datasets::Dataset, const RunContext&) const override;
-  std::vector<std::string> advise_on() const override { return {"asked16"}; }
+  /// Points that come one by one weigh as much as batches; whoever has only one of these reads it alone.
+  std::vector<std::string> advise_on() const override { return {"single", "asked16"}; }
   /// Nothing: its trees are those of the task knn.
   void pictures(const BlockSpec&, const RunContext&, const std::string&) const override {}
 

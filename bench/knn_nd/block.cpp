@@ -1,9 +1,9 @@
 #include "bench/knn_nd/block.hpp"
 
 #include <algorithm>
-#include <new>
 #include <thread>
 
+#include "bench/core/refusal.hpp"
 #include "bench/core/truth_cache.hpp"
 #include "bench/knn_nd/metric.hpp"
 #include "geometry/random.hpp"
@@ -21,7 +21,7 @@ class RowSubject final : public Subject {
 
   template <class Build>
   void build(Build make) {
-    guarded([&] { index_ = make(); });
+    keep_refusal(questions_.must_answer, refusal_, [&] { index_ = make(); });
   }
 
   void run(std::size_t query_set, const Knobs& knobs, int threads) override {
@@ -29,7 +29,8 @@ class RowSubject final : public Subject {
     refusal_.clear();
     const std::size_t k = questions_.sets[query_set].k;
     ids_.assign(questions_.rows.size() * k, accel::no_id);
-    guarded([&] { index_->nearest(view_of(questions_.rows), k, knobs, threads, ids_); });
+    keep_refusal(questions_.must_answer, refusal_,
+                 [&] { index_->nearest(view_of(questions_.rows), k, knobs, threads, ids_); });
   }
 
   std::optional<std::pair<double, double>> work(std::size_t query_set, const Knobs& knobs) override {
@@ -44,21 +45,6 @@ class RowSubject final : public Subject {
   const std::string& refusal() const { return refusal_; }
 
  private:
-  template <class F>
-  void guarded(F&& f) {
-    try {
-      f();
-    } catch (const Unsupported&) {
-      throw;
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception& e) {
-      if (!questions_.must_answer) throw;
-      refusal_ = e.what();
-      if (refusal_.empty()) refusal_ = "refused without a word";
-    }
-  }
-
   const Questions& questions_;
   std::unique_ptr<Index> index_;
   std::vector<Id> ids_;
@@ -82,6 +68,9 @@ class RowBlock final : public Block {
   std::size_t n() const override { return dataset_.size(); }
   std::uint64_t seed() const override { return dataset_.seed; }
   std::uint64_t dataset_hash() const override { return hash_; }
+  std::optional<std::size_t> input_bytes() const override {
+    return dataset_.vectors.scalars.size() * sizeof(float);
+  }
 
   std::unique_ptr<Subject> build(std::size_t m, const Knobs& knobs, int threads) override {
     auto subject = std::make_unique<RowSubject>(questions_);
@@ -91,12 +80,7 @@ class RowBlock final : public Block {
 
   Errors check(std::size_t m, const Subject& subject, std::size_t number, const Knobs& knobs) override {
     const auto& answers = dynamic_cast<const RowSubject&>(subject);
-    if (!answers.refusal().empty()) {
-      Errors e;
-      e.within_claim = false;
-      e.reason = "refused what must be answered: " + answers.refusal();
-      return e;
-    }
+    if (!answers.refusal().empty()) return refused_wrongly(answers.refusal());
     const double epsilon = knobs.contains("epsilon") ? knobs.at("epsilon").get<double>() : 0;
     return errors_of(view_of(dataset_.vectors), view_of(questions_.rows), questions_.sets[number].k,
                      answers.ids(), truth(), methods_[m].info.claim, epsilon);

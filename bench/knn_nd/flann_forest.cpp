@@ -15,7 +15,8 @@ namespace {
               .peer_version = FLANN_VERSION_,
               .build_knobs = {{{"trees", 4}}, {{"trees", 8}}, {{"trees", 16}}},
               .query_knobs = checks_to(512),
-              .ladder = 32},
+              .ladder = 32,
+              .keeps_no_copy = true},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
        return std::make_unique<FlannRows<flann::KDTreeIndex<flann::L2<float>>>>(
            input, flann::KDTreeIndexParams(knobs.at("trees").get<int>()));

@@ -14,7 +14,8 @@ namespace {
               .peer_version = FLANN_VERSION_,
               .build_knobs = {{{"branching", 32}}, {{"branching", 16}}},
               .query_knobs = checks_to(2048),
-              .ladder = 33},
+              .ladder = 33,
+              .keeps_no_copy = true},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
        return std::make_unique<FlannRows<flann::KMeansIndex<flann::L2<float>>>>(
            input, flann::KMeansIndexParams(knobs.at("branching").get<int>()));

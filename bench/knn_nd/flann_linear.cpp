@@ -9,7 +9,8 @@ namespace {
               .family = "brute",
               .source = Source::peer,
               .peer_version = FLANN_VERSION_,
-              .ladder = 30},
+              .ladder = 30,
+              .keeps_no_copy = true},
      .build = [](const Input& input, const Knobs&) -> std::unique_ptr<Index> {
        return std::make_unique<FlannRows<flann::LinearIndex<flann::L2<float>>>>(input,
                                                                                 flann::LinearIndexParams());

@@ -2,14 +2,14 @@
 
 The same rules as bench/core/advice.hpp and page/advice.js: a cost is the sum over the query sets, and an error is held
 against the tolerance or the truth's own floor, whichever is larger. At a tolerance not above the floor, methods whose
-claim promises nothing about other queries are not advised. A test holds this file and the page to one answer.
+claim promises nothing about other queries, or only a bound by epsilon, are not advised. A test holds this file and the page to one answer.
 """
 
 from dataclasses import dataclass
 
+from bench.report.frontier import promises
 from bench.report.rows import knob_text
 
-PROMISES = ("exact", "bounded")  # claims that hold for queries that were not measured
 METRICS = ("error", "error_max", "error_p99", "error_mean", "bias")  # in the order in which limits are tried
 
 
@@ -33,7 +33,7 @@ class Rung:
             if row.error is None:
                 return row.query_set, "no measured error", None
         for row in self.rows:
-            if row.claim not in PROMISES and tolerance <= (row.error_floor or 0.0):
+            if not promises(row) and tolerance <= (row.error_floor or 0.0):
                 return row.query_set, f"its claim is {row.claim}", None
         return None
 

@@ -1,8 +1,8 @@
 """The charts, as Altair draws them. Each is built once and used twice: in the page, which feeds it rows by name, and
 as static SVG and PNG, which carry their own.
 
-A point's fields: i (row), method, x, lo, hi (ns per query), y (pixel, from layout.py), front, slot, n,
-build (ns per element), bytes (per element).
+A point's fields: i (row), method, x, lo, hi (ns per query), y (pixel, from layout.py), front, promise (its claim holds
+for other queries, too), slot, n, note (why a lane without any is empty), build (ns per element), bytes and own (per element: with the input that must stay, and without).
 """
 
 import altair as alt
@@ -22,6 +22,7 @@ def _round(axis):
 
 
 DIM = 0.5
+UNPROMISED = "approximate; exact on this sample"
 LEAST = 0.1  # bytes per element, and ns of building: zero has no place on a logarithmic axis
 INK, FAINT = "currentColor", "#8884"
 
@@ -103,8 +104,15 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
     told = DURATION.replace("datum.value", "datum.x").replace("'~g'", "'.3~g'")
     front = timed.transform_filter("datum.front").transform_calculate(time=told)
     lane = front.transform_filter(f"datum.y >= {layout.exact_start}")
-    layers.append(lane.mark_text(align="left", dx=9, dy=-7, fontSize=10, fontWeight="bold", fill=INK, opacity=_pick("1"))
+    layers.append(lane.transform_filter("datum.promise")
+                  .mark_text(align="left", dx=9, dy=-7, fontSize=10, fontWeight="bold", fill=INK, opacity=_pick("1"))
                   .encode(x=x, y=y, text="time:N"))  # fmt: skip
+    by_luck = lane.transform_filter("!datum.promise").transform_calculate(note=f"datum.time + ', {UNPROMISED}'")
+    layers.append(by_luck.mark_text(align="left", dx=9, dy=-7, fontSize=10, fontStyle="italic", fill=INK,
+                                    opacity=_pick("0.85")).encode(x=x, y=y, text="note:N"))  # fmt: skip
+    empty = base.transform_filter("isValid(datum.note)")
+    layers.append(empty.mark_text(align="left", x=6, fontSize=9, fontStyle="italic", fill=INK, opacity=0.55)
+                  .encode(y=y, text="note:N"))  # fmt: skip
     if layout.field:
         top, bottom, _, _ = layout.field
         # A name reaches over that of the next mark, where it is near (in pixels): then it is left to the tooltip.
@@ -132,6 +140,12 @@ def lanes_chart(data, field, title, methods, looks, legend=False, width="contain
     y = alt.Y("method:N", sort=list(methods), scale=alt.Scale(domain=list(methods)),
               axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=120))  # fmt: skip
     chart = _points(base, looks, legend).encode(x=alt.X(f"{field}:Q", scale=scale, axis=axis), y=y)
+    if field == "bytes":  # from what the index allocates to all that it needs
+        color, _ = _scales(looks)
+        own = base.mark_rule(strokeWidth=1.6, opacity=_pick("0.8")).encode(
+            x=alt.X("own:Q", scale=scale, axis=axis), x2="bytes:Q", y=y,
+            stroke=alt.Stroke("method:N", scale=color, legend=_key(legend)))  # fmt: skip
+        chart = alt.layer(own, chart)
     return chart.add_params(_pick_param()).properties(width=width, height=alt.Step(13))
 
 
@@ -153,10 +167,11 @@ def scaling_chart(data, looks, element, query, legend=False, width="container", 
     return chart.properties(width=width, height=height)
 
 
-def speedup_chart(data, most, methods, looks, legend=False, width="container"):
-    """How many times faster several threads are than one: a lane a method, a mark a number of threads (at its end)."""
+def speedup_chart(data, reach, methods, looks, legend=False, width="container"):
+    """How many times faster several threads are than one: a lane a method, a mark a number of threads (at its end).
+    reach: the largest figure that is drawn; its label has room beside it."""
     color, _ = _scales(looks)
-    scale = alt.Scale(domain=[0, 1.45 * most], nice=False)
+    scale = alt.Scale(domain=[0, 1.35 * reach], nice=False)
     x = alt.X("speedup:Q", scale=scale,
               axis=alt.Axis(title="times one thread's speed", tickMinStep=1, gridOpacity=0.5))  # fmt: skip
     y = alt.Y("method:N", sort=list(methods), scale=alt.Scale(domain=list(methods)),

@@ -15,18 +15,30 @@ def charted(row):
     return row.status == "ok" and row.query_ns is not None and row.error is not None
 
 
+def promises(row):
+    """Its claim holds for queries that were not measured. A bound by epsilon allows for errors, whether or not this
+    sample has any."""
+    return row.claim == "exact" or (row.claim == "bounded" and not (row.query_knobs or {}).get("epsilon"))
+
+
+def inaccuracy(row):
+    """The error as charted; of two without any, the one that promises none is the better."""
+    error = shown_error(row)
+    return error, error == 0 and not promises(row)
+
+
 def beats(a, b):
-    """a is no worse than b in time and error, and better in one."""
-    ta, tb, ea, eb = a.query_ns, b.query_ns, shown_error(a), shown_error(b)
+    """a is no worse than b in time and accuracy, and better in one."""
+    ta, tb, ea, eb = a.query_ns, b.query_ns, inaccuracy(a), inaccuracy(b)
     return ta <= tb and ea <= eb and (ta < tb or ea < eb)
 
 
 def frontier(rows):
     """Of rows of one group: those on the frontier, from the fastest to the most accurate."""
-    best, line = float("inf"), []
-    for row in sorted(filter(charted, rows), key=lambda r: (r.query_ns, shown_error(r))):
-        if shown_error(row) < best or (line and not beats(line[-1], row)):  # the second: an exact tie
-            best = shown_error(row)
+    best, line = (float("inf"), True), []
+    for row in sorted(filter(charted, rows), key=lambda r: (r.query_ns, inaccuracy(r))):
+        if inaccuracy(row) < best or (line and not beats(line[-1], row)):  # the second: an exact tie
+            best = inaccuracy(row)
             line.append(row)
     return line
 
@@ -46,7 +58,7 @@ RIGHT = 1e-6
 
 def promised(row):
     """Not by luck on these queries: our approximate methods stand beside exact ones of the same tree."""
-    return row.source != "ours" or row.claim == "exact" or (row.claim == "bounded" and "epsilon" not in (row.query_knobs or {}))
+    return row.source != "ours" or promises(row)
 
 
 def right(row):

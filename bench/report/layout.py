@@ -11,7 +11,7 @@ from collections import Counter
 from math import ceil, floor, log10
 
 from bench.report.frontier import charted, frontier, groups, right, shown_error
-from bench.report.rows import FAILURES
+from bench.report.rows import ABSENT, FAILURES
 
 RAIL, LANE, LANE_MOST, DECADE, GAP = 17, 14, 30, 22, 10  # pixels
 FIELD_LEAST, FIELD_MOST, WHOLE = 130, 260, 330
@@ -82,6 +82,28 @@ class Layout:
             yield "exact", self.exact_start, self.height - 4
 
 
+def lane_notes(layout, rows):
+    """Why a lane of the exact band is empty under some choice, as points for the chart: {method, y, note}. rows: all of
+    that choice. page/data.js does the same."""
+    exact = {r.method for r in rows if charted(r) and shown_error(r) == 0}
+    for method, y in layout.lanes.items():
+        if method not in exact:
+            yield {"method": method, "y": y, "note": _why_empty([r for r in rows if r.method == method])}
+
+
+def _why_empty(rows):
+    if any(map(charted, rows)):
+        return "not without error here"
+    if failed := next((r.status for r in rows if r.failed), None):
+        return failed.replace("_", " ") + " here"
+    absent = next((r for r in rows if r.status in ABSENT), None)
+    if absent is None:
+        return "not measured here"
+    reason = absent.reason or absent.status.replace("_", " ")
+    return reason if len(reason) <= NOTE_MOST else "not offered here (reason below)"
+
+
+NOTE_MOST = 48  # letters of a reason that fit in a lane
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 

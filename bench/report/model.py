@@ -3,16 +3,17 @@
 from collections import Counter
 
 from bench.report import charts, tasks
-from bench.report.frontier import charted, shown_error
-from bench.report.layout import Layout, marks
+from bench.report.frontier import charted, promises, shown_error
+from bench.report.layout import NOTE_MOST, Layout, marks
 from bench.report.palette import looks
 from bench.report.rows import knob_text
 from bench.report.units import figure
 
 TEXT = ("task", "dataset", "set", "method", "build", "query", "status", "reason", "claim", "source", "version", "extra")
 COLUMNS = TEXT + (
-    "size", "n", "run", "threads", "ns", "lo", "hi", "cpu", "reps", "build_s", "bytes", "error", "error_max",
-    "error_p99", "error_mean", "bias", "floor", "nodes", "leaves", "primitives", "recall", "front", "best", "y", "slot",
+    "size", "n", "run", "threads", "ns", "lo", "hi", "cpu", "reps", "build_s", "bytes", "kept", "error", "error_max",
+    "error_p99", "error_mean", "bias", "floor", "nodes", "leaves", "primitives", "recall", "front", "promise", "best",
+    "y", "slot",
 )  # fmt: skip
 
 
@@ -54,6 +55,15 @@ def task_models(rows):
     return [TaskModel(t, [r for r in rows if r.task == t], shared) for t in dict.fromkeys(r.task for r in rows)]
 
 
+def bytes_title(task):
+    """What the axis counts: where it is known what an index needs beside itself, all that a query needs."""
+    title = f"bytes per {task.text.element}, log"
+    if not any(kept(r) is not None for r in task.soft):
+        return title
+    own = f"mark: with the user's {task.text.element}s where the index keeps no copy"
+    return [title, own, "line: from the index alone"]
+
+
 def chart_list(task):
     """(id, kind, dataset, chart fed by name) for every chart of a task that has data."""
     data, text = charts.alt.NamedData("points"), task.text
@@ -67,7 +77,7 @@ def chart_list(task):
             chart = charts.lanes_chart(data, "build", f"build time per {text.element}, log", methods, task.looks)
             yield f"{task.name}-{k}-build", "build", dataset, chart
         if methods := task.methods(dataset, "bytes"):
-            chart = charts.lanes_chart(data, "bytes", f"bytes per {text.element}, log", methods, task.looks)
+            chart = charts.lanes_chart(data, "bytes", bytes_title(task), methods, task.looks)
             yield f"{task.name}-{k}-bytes", "bytes", dataset, chart
         if len({r.size for r in rows if r.query_ns is not None}) > 1:
             chart = charts.scaling_chart(data, task.looks, text.element, text.query)
@@ -82,6 +92,11 @@ def work(row):
     if isinstance(value, list) and len(value) == 2:
         return tuple(value)
     return row.values.get("work_nodes"), row.values.get("work_primitives")
+
+
+def kept(row):
+    """Bytes of the user's own data that must stay beside the index; None where that is not known."""
+    return row.values.get("input_bytes")
 
 
 APART = ("recall", "leaves")  # figures of tasks that have a place of their own
@@ -121,13 +136,14 @@ def table(models):
                      r.status, r.reason or "", r.claim, r.source, r.peer_version or "", extra_text(r))  # fmt: skip
             lines.append([strings.setdefault(t, len(strings)) for t in texts] + [
                 r.size, r.n, r.run, r.threads, r.query_ns, r.query_ns_low, r.query_ns_high, r.query_cpu_ns,
-                len(r.samples or ()), r.build_s, r.bytes, r.error, r.error_max, r.error_p99, r.error_mean, r.bias,
+                len(r.samples or ()), r.build_s, r.bytes, kept(r), r.error, r.error_max, r.error_p99, r.error_mean, r.bias,
                 r.error_floor, nodes, extra(r, "leaves"), primitives, extra(r, "recall"), int(id(r) in front),
-                int(id(r) in best), y_of(task, r), slots.get(id(r)),
+                int(promises(r)), int(id(r) in best), y_of(task, r), slots.get(id(r)),
             ])  # fmt: skip
     return {
         "columns": COLUMNS,
         "least": charts.LEAST,
+        "note_most": NOTE_MOST,
         "text_columns": len(TEXT),
         "strings": list(strings),
         "rows": lines,
@@ -142,8 +158,9 @@ def points(task, rows):
             "i": i, "method": r.method, "x": r.query_ns,
             "lo": r.query_ns if r.query_ns_low is None else r.query_ns_low,
             "hi": r.query_ns if r.query_ns_high is None else r.query_ns_high,
-            "y": task.layouts[r.dataset].y(r), "front": id(r) in front, "best": id(r) in best,
+            "y": task.layouts[r.dataset].y(r), "front": id(r) in front, "promise": promises(r), "best": id(r) in best,
             "slot": slots.get(id(r)), "n": r.n,
             "build": max(r.build_s * 1e9 / r.n, charts.LEAST) if r.build_s is not None and r.n else None,
-            "bytes": max(r.bytes / r.n, charts.LEAST) if r.bytes is not None and r.n else None,
+            "bytes": max((r.bytes + (kept(r) or 0)) / r.n, charts.LEAST) if r.bytes is not None and r.n else None,
+            "own": max(r.bytes / r.n, charts.LEAST) if r.bytes is not None and r.n else None,
         }  # fmt: skip

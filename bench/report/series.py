@@ -68,7 +68,8 @@ def _threads(task, numbers, width, legend):
         if values:
             methods = [m for m in task.looks if any(v["method"] == m for v in values)]
             looks = {m: task.looks[m] for m in methods}
-            chart = charts.speedup_chart(alt.Data(values=values), most, methods, looks, legend, width)
+            reach = max(most, *(v["end"] for v in values))
+            chart = charts.speedup_chart(alt.Data(values=values), reach, methods, looks, legend, width)
             out.append(Figure(f"{task.name}-threads-{dataset}-{what}", title, dataset, chart))
     return Card(f"{task.name}-card-threads", "Threads", THREADS.format(queries=asked), out)
 

@@ -7,7 +7,8 @@ import altair as alt
 import vl_convert
 
 from bench.report import charts, rays, series, stability
-from bench.report.model import points
+from bench.report.layout import lane_notes
+from bench.report.model import bytes_title, points
 from bench.report.units import count
 
 COLORS = {
@@ -39,7 +40,8 @@ def _charts(task):
             title = f"{dataset}, {count(size)} {task.text.element}s, {query_set}"
             name = _file_name(task.name, dataset, query_set)
             if shown:
-                chart = charts.frontier_chart(_data(task, shown), task.layouts[dataset], _used(task, shown),
+                notes = lane_notes(task.layouts[dataset], [r for r in here if r.size == size])
+                chart = charts.frontier_chart(_data(task, shown, notes), task.layouts[dataset], _used(task, shown),
                                               task.text.query, task.text.error, True, 460)  # fmt: skip
                 yield f"{name}-frontier", chart.properties(title=title)
             best = [(r, p) for r, p in zip(here, points(task, here)) if p["best"]]
@@ -49,11 +51,11 @@ def _charts(task):
                                              task.text.query, True, 460, 300)  # fmt: skip
                 yield f"{name}-scaling", chart.properties(title=f"{dataset}, {query_set}")
         at_size = [r for r in rows if r.size == size]
-        for field, figure, label in (("build", "build_s", "build time"), ("bytes", "bytes", "bytes")):
+        for field, figure, label in (("build", "build_s", f"build time per {task.text.element}, log"),
+                                     ("bytes", "bytes", bytes_title(task))):
             if methods := [
                 m for m in task.looks if any(r.method == m and getattr(r, figure) is not None for r in at_size)
             ]:
-                label = f"{label} per {task.text.element}, log"
                 chart = charts.lanes_chart(_data(task, at_size), field, label, methods, task.looks, False, 460)
                 yield f"{_file_name(task.name, dataset, field)}", chart.properties(title=f"{dataset}, {count(size)}")
     numbers = {id(r): i for i, r in enumerate((*task.soft, *task.scaling))}
@@ -67,8 +69,8 @@ def _charts(task):
         yield name, chart.properties(title=title, width=460)
 
 
-def _data(task, rows):
-    return alt.Data(values=list(points(task, rows)))
+def _data(task, rows, more=()):
+    return alt.Data(values=[*points(task, rows), *more])
 
 
 def _used(task, rows):

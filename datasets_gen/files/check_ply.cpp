@@ -276,11 +276,14 @@ Checked check_ply(const Input& in) {
   Plain plain;
   std::vector<std::int32_t> face;
   for (const Element& e : h.elements) {
+    const bool has_doubles = std::ranges::any_of(
+        e.properties, [](const Property& p) { return p.axis >= 0 && p.type == Type::f64; });
     if (e.name == "vertex") r.vertices = e.count;
     if (e.name == "face") r.polygons = e.count, r.is_mesh = e.count > 0;
     for (std::size_t i = 0; i < e.count; ++i) {
       values.begin(e, i);
       float point[3]{};
+      geometry::Vec3d exact;
       face.clear();
       for (const Property& p : e.properties) {
         float rounded = 0;
@@ -291,7 +294,7 @@ Checked check_ply(const Input& in) {
           const double v = values.next(p.type, p.axis >= 0 ? &rounded : nullptr);
           if (p.axis >= 0 && !r.coordinates.add(p.axis, v, rounded))
             values.fail("a coordinate beyond the range of float");
-          if (p.axis >= 0) point[p.axis] = rounded;
+          if (p.axis >= 0) point[p.axis] = rounded, exact[p.axis] = v;
           if (corners && !(v >= 0 && v < static_cast<double>(r.vertices)))
             values.fail("names vertex " + std::to_string(static_cast<long long>(v)) + " of " +
                         std::to_string(r.vertices) + " (counted from 0)");
@@ -300,6 +303,7 @@ Checked check_ply(const Input& in) {
         }
       }
       values.end();
+      if (has_doubles && e.name == "vertex") r.doubles.push_back(exact);
       if (rewrite && e.name == "vertex") plain.vertex(point);
       if (rewrite && e.name == "face") plain.face(face);
     }

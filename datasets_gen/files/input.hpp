@@ -130,6 +130,7 @@ struct Checked {
   bool compare_bits = true;  // false where the library merges equal vertices
   bool binary = false;
   Coordinates coordinates;
+  std::vector<geometry::Vec3d> doubles;  // the vertices, where the file has doubles and the library floats
   std::string text;  // the file rewritten in the plainest form of its format; empty: take the file as it is
 };
 

@@ -50,15 +50,16 @@ void take_mark_off(Input& in, const std::string& extension) {
 struct Loaded {
   Raw raw;
   Coordinates coordinates;  // from the check, where the library gives floats only
+  std::vector<geometry::Vec3d> doubles{};
 };
 
 Loaded load_openmesh([[maybe_unused]] const Input& in, [[maybe_unused]] const std::string& extension) {
 #ifdef TREELINE_HAVE_OPENMESH
-  const Checked checked = extension == "ply"   ? check_ply(in)
-                          : extension == "obj" ? check_obj(in)
-                          : extension == "off" ? check_off(in)
-                                               : check_stl(in);
-  return {read_openmesh(in, extension, checked), checked.coordinates};
+  Checked checked = extension == "ply"   ? check_ply(in)
+                    : extension == "obj" ? check_obj(in)
+                    : extension == "off" ? check_off(in)
+                                         : check_stl(in);
+  return {read_openmesh(in, extension, checked), checked.coordinates, std::move(checked.doubles)};
 #else
   not_built(in, "OpenMesh");
 #endif
@@ -87,6 +88,13 @@ Loaded load_by(const Input& in, const std::string& extension) {
                   : "unknown extension ." + extension + "; known: " + std::string(known_extensions));
 }
 
+/// Whether float keeps so little of the coordinates that their doubles are worth keeping, too.
+bool rounds_too_coarsely(const Coordinates& c) {
+  const auto sides = c.box.extent();
+  const double extent = std::max({sides[0], sides[1], sides[2]});
+  return extent > 0 && c.largest_error > noted_rounding * extent;
+}
+
 /// Rounds to float, and notes what got lost.
 std::vector<geometry::Vec3f> to_float(const Input& in, const Raw& raw, Coordinates& c, Dataset& to) {
   const bool measured = !c.box.empty();
@@ -105,11 +113,12 @@ std::vector<geometry::Vec3f> to_float(const Input& in, const Raw& raw, Coordinat
                        std::to_string(first_odd));
   const auto sides = c.box.extent();
   const double extent = std::max({sides[0], sides[1], sides[2]});
-  if (extent > 0 && c.largest_error > noted_rounding * extent) {
+  if (rounds_too_coarsely(c)) {
     char share[32];
     std::snprintf(share, sizeof share, "%.1e", c.largest_error / extent);
     to.notes.push_back(std::string("float rounds coordinates by up to ") + share + " of the extent");
   }
+  to.rounding = c.largest_error;
   return r;
 }
 
@@ -129,6 +138,7 @@ Dataset read(const std::filesystem::path& path) {
   if (raw.points.size() > 0xfffffffeu || raw.faces.size() > 0xffffffffu / 3)
     in.fail("", "holds more than 2^32 - 2 points, or a third as many triangles");
 
+  const bool holds_doubles = loaded.coordinates.box.empty();  // else the library rounded before we did
   Dataset r;
   r.name = path.filename().string();
   r.notes = std::move(raw.notes);
@@ -136,6 +146,8 @@ Dataset read(const std::filesystem::path& path) {
   if (!raw.is_mesh) {
     r.kind = Kind::cloud;
     r.cloud.points = std::move(points);
+    if (files::rounds_too_coarsely(loaded.coordinates))
+      r.precise.points = std::move(holds_doubles ? raw.points : loaded.doubles);  // these may be none
     return r;
   }
   if (raw.faces.empty()) in.fail("", "holds no triangle");

@@ -3,7 +3,8 @@
 //
 // The first line decides what separates the fields of the whole file: semicolons if it has any, else commas,
 // else blanks. Between semicolons or commas a field may be empty, so that a missing value never moves the
-// next one into its place; and every line has as many fields as the first.
+// next one into its place; and every line has as many fields as the first. A file without names whose first
+// column counts its points is refused: that column is an id far more often than it is x.
 #include <algorithm>
 #include <cctype>
 #include <utility>
@@ -44,6 +45,24 @@ bool is_axis(std::string_view word, std::size_t axis) {
   return word.size() == 1 && std::tolower(static_cast<unsigned char>(word[0])) == char('x' + axis);
 }
 
+/// Whether a first column counts the lines: 0, 1, 2, … or 1, 2, 3, …, as numbers without a fraction.
+class Counter {
+ public:
+  void add(std::string_view word) {
+    const auto value = number<std::uint64_t>(word);
+    if (count_ == 0 && value) first_ = *value;
+    counts_ = counts_ && value && first_ <= 1 && *value == first_ + count_;
+    ++count_;
+  }
+  bool counts() const { return counts_ && count_ >= least; }
+  std::uint64_t first() const { return first_; }
+
+ private:
+  static constexpr std::uint64_t least = 3;  // of fewer it may be chance
+  bool counts_ = true;
+  std::uint64_t first_ = 0, count_ = 0;
+};
+
 bool has_decimal_comma(std::string_view word) {
   std::string pointed(word);
   std::ranges::replace(pointed, ',', '.');
@@ -57,6 +76,8 @@ Raw read_xyz(const Input& in) {
   std::array<std::size_t, 3> column{0, 1, 2};
   std::size_t width = 0;  // fields of each line
   char separator = ' ';
+  bool named = false;
+  Counter ids;
   Lines lines(in.bytes);
   std::string_view line;
   std::vector<std::string_view> w;
@@ -77,12 +98,13 @@ Raw read_xyz(const Input& in) {
     if (first) {
       width = w.size();
       if (!number<double>(w[0])) {  // a header, or wrong
-        std::size_t named = 0;
+        std::size_t axes = 0;
         for (std::size_t axis = 0; axis < 3; ++axis) {
           const auto it = std::ranges::find_if(w, [&](auto word) { return is_axis(word, axis); });
-          if (it != w.end()) column[axis] = static_cast<std::size_t>(it - w.begin()), ++named;
+          if (it != w.end()) column[axis] = static_cast<std::size_t>(it - w.begin()), ++axes;
         }
-        if (named == 3) continue;
+        named = axes == 3;
+        if (named) continue;
         if (!has_decimal_comma(w[0]) && !w[0].empty())
           in.fail_line(at, "neither a point nor a header with the columns x, y and z: " + in_quotes(line));
         column = {0, 1, 2};
@@ -109,9 +131,21 @@ Raw read_xyz(const Input& in) {
                   : ""));
       p[axis] = *value;
     }
+    if (!named && width > 3) ids.add(w[0]);
     r.points.push_back(p);
   }
   if (r.points.empty()) in.fail("", "holds no points");
+  if (!named && ids.counts()) {
+    const std::string separated = separator == ' ' ? " " : std::string(1, separator);
+    std::string names = "id" + separated + "x" + separated + "y" + separated + "z";
+    for (std::size_t c = 4; c < width; ++c) names += separated + "c" + std::to_string(c + 1);
+    in.fail(
+        "",
+        "the first of its " + std::to_string(width) + " columns counts the points from " +
+            std::to_string(ids.first()) +
+            " on, as an id does, and no line names the columns. Put a first line before it that does, e.g. " +
+            in_quotes(names) + "; if that column is x, name it x");
+  }
   return r;
 }
 

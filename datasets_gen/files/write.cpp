@@ -26,8 +26,9 @@ class Sink {
     return *this;
   }
   Sink& operator<<(std::size_t value) { return *this << std::string_view(std::to_string(value)); }
-  /// Shortest decimal that reads back as the same float.
-  Sink& operator<<(float value) {
+  /// Shortest decimal that reads back as the same number.
+  template <class T>
+  requires std::is_floating_point_v<T> Sink& operator<<(T value) {
     char text[32];
     const auto end = std::to_chars(text, text + sizeof text, value).ptr;
     return *this << std::string_view(text, static_cast<std::size_t>(end - text));
@@ -38,7 +39,8 @@ class Sink {
     std::memcpy(bytes, &value, sizeof value);
     *this << std::string_view(bytes, sizeof value);
   }
-  void line(std::string_view start, const geometry::Vec3f& p) {
+  template <class Point>
+  void line(std::string_view start, const Point& p) {
     *this << start << p[0] << std::string_view(" ") << p[1] << std::string_view(" ") << p[2]
           << std::string_view("\n");
   }
@@ -82,7 +84,9 @@ void write_pcd(const Dataset& d, Sink& to) {
 }
 
 void write_xyz(const Dataset& d, Sink& to) {
-  for (const auto& p : d.cloud.points) to.line("", p);
+  for (const auto& p : d.precise.points) to.line("", p);
+  if (d.precise.size() == 0)
+    for (const auto& p : d.cloud.points) to.line("", p);
 }
 
 /// Makes an empty file beside `path`, under a name that nothing had.
@@ -111,6 +115,8 @@ void write(const Dataset& dataset, const std::filesystem::path& path, bool overw
   if (extension == ".obj") writer = write_obj;
   if (extension == ".pcd" && cloud) writer = write_pcd;
   if (extension == ".xyz" && cloud) writer = write_xyz;
+  if (dataset.precise.size() > 0 && writer && writer != write_xyz)
+    throw FileError(path, "", "holds coordinates that float cannot; such clouds are written as .xyz");
   if (dataset.kind == Kind::vectors) throw FileError(path, "", "vectors have no file format here");
   if (!writer)
     throw FileError(

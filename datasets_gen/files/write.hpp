@@ -2,7 +2,8 @@
 //   .ply  meshes and clouds, binary, bit for bit
 //   .obj  meshes and clouds, text; shortest decimals that read back as the same floats
 //   .pcd  clouds, binary, bit for bit
-//   .xyz  clouds, text, as .obj
+//   .xyz  clouds, text, as .obj; where the dataset has doubles, these
+// Clouds that float cannot hold are written as .xyz only.
 #pragma once
 
 #include "datasets_gen/files/read.hpp"

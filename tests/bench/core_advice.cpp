@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bench/core/break_even.hpp"
+#include "bench/core/table.hpp"
 #include "core_fake_task.hpp"
 #include "core_helper.hpp"
 
@@ -127,6 +128,26 @@ TEST(Advice, BelowTheFloorOnlyAClaimWillDo) {
   }
 }
 
+TEST(Advice, ABoundByEpsilonPromisesNoExactAnswers) {
+  Row row = rung_row("m", "a", 1, 0);
+  row.claim = Claim::bounded, row.query_knobs = {{"epsilon", 0.5}};
+  EXPECT_EQ(chosen(advise(FakeTask(), {row}, {"a"}, 0)), "");
+  EXPECT_EQ(chosen(advise(FakeTask(), {row}, {"a"}, 1e-9)), "m");
+  row.query_knobs = {{"epsilon", 0.0}};
+  EXPECT_EQ(chosen(advise(FakeTask(), {row}, {"a"}, 0)), "m");
+}
+
+TEST(Advice, SaysThatItWasExactOnThisSampleOnly) {
+  Row row = rung_row("m", "a", 1, 0);
+  for (const auto& [claim, error, said] :
+       {std::tuple(Claim::approximate, 0.0, true), std::tuple(Claim::exact, 0.0, false),
+        std::tuple(Claim::approximate, 0.1, false)}) {
+    row.claim = claim, row.errors.error = error, row.errors.max = error;
+    const std::string text = format_advice(advise(FakeTask(), {row}, {"a"}, 0.5), 0.5, "");
+    EXPECT_EQ(text.find("exact on this sample") != std::string::npos, said) << text;
+  }
+}
+
 TEST(Advice, SaysThatAClaimIsTooWeakUnlessAnErrorSaysMore) {
   std::vector<Row> rows{rung_row("m", "a", 1, 0), rung_row("m", "b", 1, 0)};
   for (Row& row : rows) row.claim = Claim::stochastic;
@@ -135,6 +156,62 @@ TEST(Advice, SaysThatAClaimIsTooWeakUnlessAnErrorSaysMore) {
   rows[1].errors.error = 0.25;
   EXPECT_NE(advise(FakeTask(), rows, {"a", "b"}, 0).rungs[0].limit.find("error of b is 0.25"),
             std::string::npos);
+}
+
+Row with_interval(Row row, double low, double high) {
+  row.query_ns_low = low, row.query_ns_high = high, row.samples = {low, *row.query_ns, high};
+  return row;
+}
+
+TEST(Advice, TellsTheIntervalAndWhatIsAsFast) {
+  const std::vector<Row> rows{with_interval(rung_row("best", "a", 100, 0), 90, 120),
+                              with_interval(rung_row("near", "a", 110, 0), 105, 130),
+                              with_interval(rung_row("far", "a", 200, 0), 190, 210)};
+  const std::string text = format_advice(advise(FakeTask(), rows, {"a"}, 0.1), 0.1, "");
+  EXPECT_NE(line_with(text, "cost").find("100 ns [90, 120]"), std::string::npos) << text;
+  EXPECT_NE(line_with(text, "close").find("near at 110 ns [105, 130]"), std::string::npos) << text;
+  EXPECT_EQ(text.find("far"), std::string::npos) << text;
+}
+
+TEST(Advice, IntervalsOfSeveralSetsAddUp) {
+  const auto rung = [](double low_a, double high_a, double low_b, double high_b) {
+    Rung r;
+    r.rows = {with_interval(rung_row("m", "a", 100, 0), low_a, high_a),
+              with_interval(rung_row("m", "b", 50, 0), low_b, high_b)};
+    return r;
+  };
+  EXPECT_TRUE(as_fast(rung(90, 110, 45, 55), rung(110, 120, 50, 60)));   // 135 to 165, 160 to 180
+  EXPECT_FALSE(as_fast(rung(90, 110, 45, 55), rung(110, 120, 56, 60)));  // 166 to 180
+}
+
+TEST(Advice, NamesAnotherRungForASetAlone) {
+  const std::vector<Row> rows{rung_row("even", "a", 50, 0), rung_row("even", "b", 50, 0),
+                              rung_row("for_a", "a", 10, 0), rung_row("for_a", "b", 500, 0)};
+  const Advice advice = advise(FakeTask(), rows, {"a", "b"}, 0.1);
+  EXPECT_EQ(chosen(advice), "even");
+  EXPECT_EQ(advice.alone, std::vector<std::string>{"a: for_a at 10 ns"});
+  EXPECT_NE(line_with(format_advice(advice, 0.1, ""), "alone").find("a: for_a"), std::string::npos);
+}
+
+TEST(Advice, WarnsOfABusyMachineAsTheReportDoes) {
+  std::vector<Row> rows(40, rung_row("m", "a", 100, 0));
+  for (Row& row : rows) row.query_cpu_ns = 95;
+  EXPECT_EQ(format_busy(rows), "");
+  rows[0].query_cpu_ns = 80;  // one in forty: chance
+  EXPECT_EQ(format_busy(rows), "");
+  rows[1].query_cpu_ns = rows[2].query_cpu_ns = 80;
+  EXPECT_NE(format_busy(rows).find("in 3 of 40 timed cells"), std::string::npos) << format_busy(rows);
+  for (Row& row : rows) row.threads = 2;  // a thread's share of the processor says little
+  EXPECT_EQ(format_busy(rows), "");
+}
+
+TEST(Advice, CountsOneAndMany) {
+  EXPECT_EQ(counted(1, "element"), "1 element");
+  EXPECT_EQ(counted(0, "element"), "0 elements");
+  EXPECT_EQ(counted(2, "query", "queries"), "2 queries");
+  Row row = rung_row("m", "a", 1, 0);
+  row.n = 1;
+  EXPECT_NE(format_advice(advise(FakeTask(), {row}, {"a"}, 0), 0, "").find("(1 element)"), std::string::npos);
 }
 
 TEST(Advice, OnlyWhatIsOkIsAdvised) {

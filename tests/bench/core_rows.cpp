@@ -8,13 +8,14 @@
 namespace treeline::bench {
 namespace {
 
-const char* const fields[] = {
-    "schema",       "task",          "block",        "dataset",      "n",      "seed",        "dataset_hash",
-    "method",       "family",        "source",       "peer_version", "claim",  "build_knobs", "query_knobs",
-    "query_set",    "queries",       "threads",      "status",       "reason", "build_s",     "query_ns",
-    "query_ns_low", "query_ns_high", "query_cpu_ns", "samples",      "bytes",  "error",       "error_max",
-    "error_p99",    "error_mean",    "bias",         "error_floor",  "isa",    "flags",       "compiler",
-    "cpu",          "host",          "commit",       "time"};
+const char* const fields[] = {"schema",       "task",         "block",         "dataset",      "n",
+                              "seed",         "dataset_hash", "method",        "family",       "source",
+                              "peer_version", "claim",        "build_knobs",   "query_knobs",  "query_set",
+                              "queries",      "threads",      "status",        "reason",       "build_s",
+                              "query_ns",     "query_ns_low", "query_ns_high", "query_cpu_ns", "samples",
+                              "bytes",        "error",        "error_max",     "error_p99",    "error_mean",
+                              "bias",         "error_floor",  "isa",           "flags",        "compiler",
+                              "cpu",          "host",         "commit",        "time",         "input_bytes"};
 
 Row full_row() {
   Row r;
@@ -24,7 +25,7 @@ Row full_row() {
   r.build_knobs = {{"leaf", 8}, {"split", "sah"}}, r.query_knobs = {{"eps", 0.5}, {"exact", false}};
   r.query_set = "knn8", r.queries = 7, r.threads = 2, r.status = Status::wrong, r.reason = "q 3";
   r.build_s = 0.5, r.query_ns = 100, r.query_ns_low = 90, r.query_ns_high = 120, r.query_cpu_ns = 99;
-  r.samples = {90, 100, 120}, r.bytes = 4096;
+  r.samples = {90, 100, 120}, r.bytes = 4096, r.input_bytes = 1200;
   r.errors = {1e-3, 2e-3, 1.5e-3, 1e-4, -1e-5, 1e-9, false, "q 3", {{"fake_recall", 0.9}}};
   r.work_nodes = 3, r.work_primitives = 12.5;
   return r;
@@ -43,7 +44,7 @@ TEST(Rows, EveryFieldIsThereAndFlat) {
 TEST(Rows, WhatDoesNotApplyIsNull) {
   const auto json = Row().to_json();
   for (const char* field :
-       {"peer_version", "reason", "build_s", "query_ns", "samples", "bytes", "error", "bias"})
+       {"peer_version", "reason", "build_s", "query_ns", "samples", "bytes", "input_bytes", "error", "bias"})
     EXPECT_TRUE(json[field].is_null()) << field;
 }
 

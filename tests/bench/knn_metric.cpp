@@ -183,5 +183,14 @@ TEST_F(KnnRangeMetric, ApproximateMayMissButNotInvent) {
   EXPECT_FALSE(judge({0, 1, 1}, Claim::approximate).within_claim);
 }
 
+TEST_F(KnnRangeMetric, WhoeverRoundsThePointsMayCrossTheBorderBothWays) {
+  const auto rounding = [&](const std::vector<Id>& ids) {
+    return range_errors({{0, ids.size()}, ids}, truth, Claim::approximate, true);
+  };
+  EXPECT_TRUE(rounding({0, 3}).within_claim);
+  EXPECT_DOUBLE_EQ(*rounding({0, 3}).error, 1);  // an error it is all the same
+  EXPECT_FALSE(rounding({0, 1, 1}).within_claim);
+}
+
 }  // namespace
 }  // namespace treeline::bench::knn

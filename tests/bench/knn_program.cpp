@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -66,7 +67,7 @@ TEST_F(KnnProgram, SmokeProfileWritesValidRowsAndNoneOfOursIsWrong) {
       EXPECT_GT(row["work_primitives"].get<double>(), 0) << cell;
     }
   }
-  EXPECT_EQ(methods.size(), 15u);
+  EXPECT_EQ(methods.size(), 22u);
   EXPECT_EQ(sets, (std::set<std::string>{"box_self", "knn100_self", "knn1_off", "knn1_self", "knn32_off",
                                          "knn32_self", "knn8_far", "knn8_off", "knn8_self", "knn8_sorted",
                                          "radius_self"}));
@@ -80,6 +81,23 @@ TEST_F(KnnProgram, AdvisesOnAUsersFile) {
   out.close();
   ASSERT_EQ(run("--profile smoke --input " + file.string() + " --advise 0"), 0) << output();
   EXPECT_NE(output().find("knn8_off"), std::string::npos) << output();
+}
+
+// Of a file that float rounds, the advice says by how much, and measures its doubles where that is too much.
+TEST_F(KnnProgram, AdviceSaysWhatRoundingAFileToFloatCosts) {
+  const auto write = [&](const char* name, double x, double y) {
+    std::ofstream out(folder_ / name);
+    out << std::setprecision(12);
+    for (int i = 0; i < 1500; ++i)
+      out << x + std::sin(0.01 * i) * 50 << ' ' << y + std::cos(0.013 * i) * 50 << ' ' << 0.001 * i << '\n';
+    return " --profile smoke --advise 0 --input " + (folder_ / name).string();
+  };
+  ASSERT_EQ(run(write("near.xyz", 0, 0)), 0) << output();
+  EXPECT_NE(output().find("rounded to float, which moved them by up to"), std::string::npos) << output();
+  EXPECT_NE(output().find("Points<double, 3>"), std::string::npos) << output();
+  ASSERT_EQ(run(write("utm.xyz", 512345, 5403210)), 0) << output();
+  EXPECT_NE(output().find("float moves coordinates by up to 0.25"), std::string::npos) << output();
+  EXPECT_NE(output().find("_double"), std::string::npos) << output();
 }
 
 TEST_F(KnnProgram, NamesAFileThatItCannotRead) {

@@ -13,8 +13,8 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
 import report_fixture as fixture
-from bench.report import (advice, approximate, compare, frontier, layout, model, pictures, rows, series, stability, units,
-                          winners)  # fmt: skip
+from bench.report import (advice, approximate, compare, frontier, layout, model, palette, pictures, rows, series,
+                          stability, units, winners)  # fmt: skip
 from report_made import LOOSE, METHOD, PEER, made, read, read_text
 
 
@@ -71,6 +71,16 @@ class Frontier(unittest.TestCase):
             unbeaten = {id(b) for b in found if not any(frontier.beats(a, b) for a in found)}
             self.assertEqual({id(r) for r in frontier.frontier(found)}, unbeaten)
 
+    def test_no_error_by_luck_does_not_beat_a_promise(self):
+        """Both are on the frontier, and the one that promises nothing says so."""
+        epsilon = made(("m", "bvh", "ours", "bounded"), 20, 0, query={"epsilon": 0.5})
+        found = list(read(made(LOOSE, 10, 0), epsilon, made(METHOD, 50, 0), made(PEER, 60, 0),
+                          made(LOOSE, 55, 0, build={"slow": 1})))  # fmt: skip
+        self.assertEqual([r.query_ns for r in frontier.frontier(found)], [10, 50])
+        self.assertEqual([frontier.promises(r) for r in found], [False, False, True, True, False])
+        (task,) = model.task_models(found)
+        self.assertEqual([p["promise"] for p in model.points(task, found)], [False, False, True, True, False])
+
     def test_failed_rows_are_never_on_it(self):
         found = list(
             read(made(METHOD, 50, 0), made(PEER, 1, 0, status="wrong"), made(LOOSE, None, None, status="crashed"))
@@ -104,6 +114,21 @@ class Placing(unittest.TestCase):
         )
         a, b, c = (layout.Layout(found, ["forest"]).y(r) for r in found)
         self.assertAlmostEqual(b - a, c - b, places=1)
+
+    def test_an_empty_lane_says_why(self):
+        absent = lambda name, reason: made((name, "kd", "peer", "exact"), None, None, query_set="box", status="unsupported",
+                                           reason=reason)  # fmt: skip
+        methods = ["kd_tree", "nanoflann", "forest", "short", "long", "failed", "gone"]
+        k8 = [made(), *(made((m, "kd", "peer", "exact")) for m in methods[1:])]
+        box = [made(query_set="box"), made(PEER, 5, 0.1, query_set="box"), absent("short", "has no box query"),
+               absent("long", "x" * 90), made(("failed", "kd", "peer", "exact"), None, None, query_set="box", status="crashed")]
+        found = list(read(*k8, *box, made(LOOSE, 5, query_set="box")))
+        place = layout.Layout(found, methods)
+        notes = {n["method"]: n for n in layout.lane_notes(place, [r for r in found if r.query_set == "box"])}
+        self.assertEqual({m: n["note"] for m, n in notes.items()},
+                         {"nanoflann": "not without error here", "short": "has no box query",
+                          "long": "not offered here (reason below)", "failed": "crashed here", "gone": "not measured here"})
+        self.assertEqual(notes["gone"]["y"], place.lanes["gone"])
 
     def test_row_without_a_verdict_is_shown_as_such(self):
         found = list(read(made(error=None)))
@@ -168,6 +193,9 @@ class Advice(unittest.TestCase):
                 told = ("kd_tree", ("k8", f"its claim is {claim}", None)) if weak else ("m", None)
                 self.assertEqual((best.method, limit), told)
             self.assertEqual(advice.advise(ladder, 2e-7)[0].method, "m")
+        epsilon = made(("m", "bvh", "ours", "bounded"), 10, query={"epsilon": 0.5})
+        for tolerance, method in ((0, "kd_tree"), (2e-7, "m")):  # a bound of one half is no promise of no error
+            self.assertEqual(advice.advise(self.ladder(epsilon, made(METHOD, 90)), tolerance)[0].method, method)
         best, below, limit = advice.advise(
             self.ladder(made(LOOSE, 10), made(LOOSE, 10, 0.2, query_set="box"), sets=("k8", "box")), 0)  # fmt: skip
         self.assertEqual((best, limit), (None, ("box", "error", 0.2)))  # an error says more than the claim
@@ -255,6 +283,14 @@ class Series(unittest.TestCase):
         self.assertEqual([w.query_set for w in winners.winners(found)], ["k8"])
         (card,) = series.cards(task, model.numbers([task]))
         self.assertEqual([f.title for f in card.figures], ["knn8: cube, 1k points", "build: cube, 1k points"])
+
+    def test_no_line_or_label_leaves_the_frame(self):
+        """Superlinear by luck: two threads five times as fast, and six for all that the intervals tell."""
+        (task,) = model.task_models(read(self.threaded(METHOD, 100, 1), self.threaded(METHOD, 20, 2)))
+        (card,) = series.cards(task, model.numbers([task]))
+        chart = card.figures[0].chart.to_dict()
+        ends = [layer["encoding"]["x"]["scale"]["domain"][1] for layer in chart["layer"] if "scale" in layer["encoding"]["x"]]
+        self.assertTrue(ends and all(end > 1.2 * 110 / 18 for end in ends), ends)
 
     def test_one_thread_alone_makes_no_chart(self):
         (task,) = model.task_models(read(made(), self.threaded(METHOD, 1, 1)))
@@ -347,6 +383,16 @@ class Small(unittest.TestCase):
         self.assertEqual((shown["recall"], shown["leaves"]), (0.99998, 3.5))
         self.assertEqual(table["strings"][shown["extra"]], "missing 0.25")
 
+    def test_bytes_are_all_that_a_query_needs(self):
+        """An index over the user's points needs them: 8 bytes of its own beside 12 are as much as 20 with a copy."""
+        found = list(read(made(PEER, bytes=8000) | {"input_bytes": 12000}, made(METHOD, bytes=20000) | {"input_bytes": 0},
+                          made(LOOSE, bytes=5000)))  # fmt: skip
+        (task,) = model.task_models(found)
+        self.assertEqual([(p["bytes"], p["own"]) for p in model.points(task, found)], [(20, 8), (20, 20), (5, 5)])
+        self.assertIn("with the user's points", model.bytes_title(task)[1])
+        (older,) = model.task_models(list(read(made(bytes=8000))))  # rows that do not know: no word of it
+        self.assertEqual(model.bytes_title(older), "bytes per point, log")
+
     def test_no_two_methods_look_alike(self):
         found = model.task_models(
             list(read(*(made((f"m{i}", "kd", "peer" if i % 2 else "ours", "exact")) for i in range(24))))
@@ -354,6 +400,23 @@ class Small(unittest.TestCase):
         looks = list(found[0].looks.values())
         for a, b in itertools.combinations(looks, 2):
             self.assertNotEqual((a.color, a.shape, a.source), (b.color, b.shape, b.source))
+
+    def test_a_colour_is_that_of_the_family_or_library_in_every_report(self):
+        names = {"bvh": ("bvh", "ours"), "bvh_wide": ("bvh", "ours"), "rebuilt_bvh_wide": ("bvh", "ours"), "kd_tree": ("kd", "ours"),
+                 "kd_tree_eps": ("kd", "ours"), "nanoflann_dynamic": ("kd", "peer"), "rebuilt_nanoflann": ("kd", "peer"),
+                 "flann_forest": ("forest", "peer"), "flann_linear": ("brute", "peer")}  # fmt: skip
+        entries = [made((m, family, source, "exact")) for m, (family, source) in names.items()]
+        rng = random.Random(2)
+        for _ in range(20):
+            some = rng.sample(entries, rng.randrange(1, len(entries) + 1))
+            looks = palette.looks(read(*some))
+            for m, look in looks.items():
+                self.assertEqual(look.color, palette.color_of(m, names[m][1], names[m][0]))
+        of = {m: look.color for m, look in palette.looks(read(*entries)).items()}
+        self.assertEqual(of["bvh"], of["rebuilt_bvh_wide"])
+        self.assertEqual(of["nanoflann_dynamic"], of["rebuilt_nanoflann"])
+        self.assertEqual(len({of["bvh"], of["kd_tree"]}), 2)
+        self.assertEqual(len({of["flann_forest"], of["nanoflann_dynamic"]}), 2)
 
     def test_a_method_looks_the_same_in_every_task(self):
         names = [f"m{i}" for i in range(9)]

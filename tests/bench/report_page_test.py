@@ -137,6 +137,9 @@ class Report(unittest.TestCase):
                     r for r in task.soft if r.size == size and r.query_set == query_set and r.status not in rows.ABSENT
                 ]
                 self.assertEqual(self.seen["changed"][f"{task.name}-set={query_set}"], len(tried))
+                notes = [f"{d} {n['method']}: {n['note']}" for d, place in task.layouts.items() for n in layout.lane_notes(
+                    place, [r for r in task.of(d) if r.size == size and r.query_set in (query_set, None)])]  # fmt: skip
+                self.assertCountEqual(self.seen["notes"][f"{task.name}-set={query_set}"], notes)
         self.assertGreater(self.seen["figures"], 5)
 
     def test_advice_is_the_one_computed_here(self):

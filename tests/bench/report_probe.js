@@ -4,7 +4,7 @@
   const root = document.documentElement;
   const pause = () => new Promise((next) => setTimeout(next, 30));
   while (root.dataset.ready !== "yes") await pause();
-  const seen = { charts: {}, advice: [], changed: {} };
+  const seen = { charts: {}, advice: [], changed: {}, notes: {} };
   for (const box of document.querySelectorAll(".plot")) {
     const svg = box.querySelector("svg");
     seen.charts[box.id] = {
@@ -30,6 +30,8 @@
       await pause();
       seen.changed[select.id + "=" + option.value] =
         document.querySelectorAll(`.card[data-task="${select.id.split("-")[0]}"] .frontier .mark-symbol path`).length;
+      seen.notes[select.id + "=" + option.value] = model.charts.filter((c) => c.lanes && c.task === select.id.split("-")[0])
+        .flatMap((c) => drawn.get(c.id).data("points").filter((p) => p.note).map((p) => `${c.dataset} ${p.method}: ${p.note}`));
     }
   }
   const details = document.querySelector(".card details.all");

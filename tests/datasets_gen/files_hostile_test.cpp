@@ -285,6 +285,23 @@ TEST_F(Hostile, FieldsOfTextClouds) {
   refused("comma_blanks.xyz", "1,5 2,5 3,5\n", "line 1", "decimal commas are not read");
 }
 
+// id,x,y,z without names would be read as x,y,z: every distance wrong, and no sign of it.
+TEST_F(Hostile, AFirstColumnThatCountsThePointsIsNoX) {
+  refused("from_0.csv", "0,5,6,7\n1,8,9,4\n2,1,2,2\n", "", "counts the points from 0");
+  refused("from_1.xyz", "1 5 6 7 9\n2 8 9 4 9\n3 1 2 2 9\n", "", "'id x y z c5'");
+  refused("quoted.csv", "\"1\";5;6;7\n\"2\";8;9;4\n\"3\";1;2;2\n", "", "'id;x;y;z'");
+  const std::pair<const char*, const char*> fine[] = {
+      {"named.csv", "id,x,y,z\n0,5,6,7\n1,8,9,4\n2,1,2,2\n"},   // what the refusal asks for
+      {"x_named.csv", "x,y,z,w\n0,5,6,7\n1,8,9,4\n2,1,2,2\n"},  // it is x indeed
+      {"three.csv", "0,5,6\n1,8,9\n2,1,2\n"},                   // there is no other x
+      {"from_7.csv", "7,5,6,7\n8,8,9,4\n9,1,2,2\n"},            // a scan that starts anywhere
+      {"gap.csv", "0,5,6,7\n1,8,9,4\n3,1,2,2\n"},
+      {"two.csv", "0,5,6,7\n1,8,9,4\n"},
+      {"fractions.csv", "0.0,5,6,7\n1.0,8,9,4\n2.0,1,2,2\n"}};
+  for (const auto& [name, text] : fine) EXPECT_GE(read(put(name, text)).size(), 2u) << name;
+  EXPECT_EQ(read(put("named.csv", fine[0].second)).cloud.points[1], (geometry::Vec3f{8, 9, 4}));
+}
+
 TEST_F(Hostile, GltfBuffersOutsideItsFolder) {
   for (const std::string uri : {"../../../etc/passwd", "/etc/passwd", "a/../../b.bin", "%2e%2e/b.bin",
                                 "..\\\\b.bin", "file:///etc/passwd", "C:/b.bin"})

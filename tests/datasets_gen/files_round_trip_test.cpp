@@ -15,13 +15,19 @@ TEST_F(RoundTrip, WritesEveryRecipeAndReadsTheSameBits) {
       if (recipe.kind == Kind::mesh && (extension == "pcd" || extension == "xyz")) continue;
       if (!reads(extension)) continue;
       const auto path = folder() / (recipe.name + "." + extension);
+      if (recipe.precise && extension != "xyz") {
+        EXPECT_THROW(write(made, path), FileError) << path;
+        continue;
+      }
       write(made, path);
       const Dataset again = read(path);
       EXPECT_EQ(again.kind, made.kind) << path;
       EXPECT_EQ(again.hash(), made.hash()) << path;
       EXPECT_EQ(again.closed, made.closed) << path;
       EXPECT_EQ(again.name, recipe.name + "." + extension);
-      EXPECT_TRUE(again.notes.empty()) << path << again.notes.front();
+      EXPECT_EQ(again.notes.size(), recipe.precise ? 1u : 0u) << path << again.notes.front();
+      EXPECT_EQ(again.precise.points, made.precise.points) << path;
+      if (recipe.precise) EXPECT_EQ(again.rounding, made.rounding) << path;
     }
   }
 }
@@ -204,6 +210,9 @@ TEST_F(Reading, NotesWhatFloatCannotHold) {
   const Dataset far = read(put("far.xyz", "500000.123 5000000.456 10\n500100.5 5000100.25 20.1\n"));
   ASSERT_EQ(far.notes.size(), 1u);
   EXPECT_NE(far.notes[0].find("float rounds"), std::string::npos) << far.notes[0];
+  ASSERT_EQ(far.precise.size(), 2u);
+  EXPECT_EQ(far.precise.points[0], (geometry::Vec3d{500000.123, 5000000.456, 10}));
+  EXPECT_TRUE(read(put("mild.xyz", "0.123 0.456 0.1\n100.5 100.25 20.1\n")).precise.points.empty());
   EXPECT_TRUE(read(put("near.xyz", "0.123 0.456 0.1\n100.5 100.25 20.1\n")).notes.empty());
   if (!reads("ply")) return;
   const std::string ply =
@@ -212,6 +221,8 @@ TEST_F(Reading, NotesWhatFloatCannotHold) {
   const Dataset cloud = read(put("far.ply", ply + "5000000.123 0 0\n5000001.3 0 0\n"));
   EXPECT_EQ(cloud.kind, Kind::cloud);
   EXPECT_EQ(cloud.notes.size(), 1u);
+  EXPECT_EQ(cloud.precise.points, (std::vector<geometry::Vec3d>{{5000000.123, 0, 0}, {5000001.3, 0, 0}}));
+  EXPECT_NEAR(cloud.rounding, 0.2, 1e-9);  // float's steps there are of one half: 1.3 becomes 1.5
   // One point in float's coarse range does not matter where the extent is as large.
   EXPECT_TRUE(read(put("wide.ply", ply + "5000000.123 0 0\n0 0 0\n")).notes.empty());
 }

@@ -38,6 +38,7 @@ TEST_P(EveryRecipe, GivesTheSameBitsOnEveryMachine) {
       {"lidar", 0x70b9610fc8650c01ull},
       {"filaments", 0x0df0c5fa72f6f79eull},
       {"grid", 0xa2b4614710d8e137ull},
+      {"georeferenced", 0x86980a4ab9b240c3ull},
       {"icosphere", 0x156288b6e7912cfdull},
       {"terrain", 0x7cd55aa213da2dbcull},
       {"architecture", 0x11157ee9226fb09full},

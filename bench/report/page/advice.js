@@ -1,7 +1,6 @@
 // The advice: the cheapest configuration that meets the tolerance on every stated metric; ../advice.py says the same.
 "use strict";
 const METRICS = { error: "mean error", error_max: "worst error", error_p99: "99 % quantile", error_mean: "mean of all answers", bias: "bias" };
-const PROMISES = ["exact", "bounded"]; // claims that hold for queries that were not measured
 
 /// Slider position 0 is exact; then ten steps a decade from 1e-12 to 1.
 const toleranceAt = (position) => (position === 0 ? 0 : Number(Math.pow(10, -12 + (position - 1) / 10).toPrecision(3)));
@@ -35,7 +34,7 @@ function limitOf(rung, tolerance) {
   }
   // Down there a promise is asked for, and a sample without errors is none.
   for (const r of rung.rows)
-    if (!PROMISES.includes(r.claim) && tolerance <= (r.floor || 0))
+    if (!r.promise && tolerance <= (r.floor || 0))
       return { set: r.set, name: `its claim is ${r.claim}: no error seen here promises none elsewhere`, figure: null };
   return null;
 }
@@ -47,7 +46,8 @@ function errorsText(rung) {
     const values = rung.rows.filter((r) => r[m] !== null).map((r) => (Math.abs(r[m]) <= (r.floor || 0) ? 0 : Math.abs(r[m])));
     if (values.length) parts.push([METRICS[m], Math.max(...values)]);
   }
-  if (parts.every(([, v]) => v === 0)) return "exact on every stated metric";
+  if (parts.every(([, v]) => v === 0))
+    return rung.rows.every((r) => r.promise) ? "exact on every stated metric" : "approximate; exact on this sample";
   return parts.map(([name, v]) => `${name} ${v === 0 ? "exact" : figure(v)}`).join(", ");
 }
 

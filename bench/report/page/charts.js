@@ -15,12 +15,13 @@ function tipHtml(r) {
     "<table>" +
     line("time", r.ns === null ? "–" : duration(r.ns) + (r.lo === null ? "" : ` (${duration(r.lo)} to ${duration(r.hi)}` + (r.reps ? `, ${r.reps} repetitions)` : ")"))) +
     line("CPU time", duration(r.cpu)) +
-    line("error", r.error === null ? "–" : figure(r.error) + (exact ? " (exact)" : "")) +
+    line("error", r.error === null ? "–" : figure(r.error) + (exact ? (r.promise ? " (exact)" : " (approximate; exact on this sample)") : "")) +
     line("worst", figure(r.error_max)) + line("99 % below", figure(r.error_p99)) + line("mean", figure(r.error_mean)) +
     line("bias", figure(r.bias)) + line("recall", share(r.recall)) + line("truth's floor", figure(r.floor)) +
     line("also", r.extra) +
     line("build", r.build_s === null ? "–" : duration(r.build_s * 1e9) + ` (${figure((r.build_s * 1e9) / r.n)} ns per ${element})`) +
-    line("bytes", r.bytes === null ? "–" : figure(r.bytes) + ` (${figure(r.bytes / r.n)} per ${element})`) +
+    line("bytes", r.bytes === null ? "–" : figure(r.bytes) + ` (${figure(r.bytes / r.n)} per ${element})` +
+      (r.kept ? `, beside ${figure(r.kept)} of the user's that must stay (${figure((r.bytes + r.kept) / r.n)} in all)` : "")) +
     line("work", r.nodes === null && r.primitives === null ? "–" :
       `${figure(r.nodes)} nodes, ${r.leaves === null ? "" : figure(r.leaves) + " leaves, "}${figure(r.primitives)} ${element}s per query`) +
     line("on", `${r.dataset}, ${r.n.toLocaleString("en")} ${element}s` + (r.set ? ", " + r.set : "") + (r.threads ? `, ${r.threads} thread${r.threads > 1 ? "s" : ""}` : "")) +
@@ -58,14 +59,20 @@ function refresh(chart) {
   const list = chartRows[chart.kind](chart.task, chart.dataset, choice(chart.task));
   box.classList.toggle("none", list.length === 0);
   box.setAttribute("aria-label", label(chart, list));
-  return view.data("points", list.map(point)).runAsync();
+  return view.data("points", pointsOf(chart, list)).runAsync();
+}
+
+/// The points of a chart; of the frontier with a note in each lane that has none.
+function pointsOf(chart, list) {
+  const notes = chart.lanes ? laneNotes(chart.lanes, chosen(chart.task, chart.dataset, choice(chart.task))) : [];
+  return [...list.map(point), ...notes];
 }
 
 async function draw(chart) {
   const box = document.getElementById(chart.id);
   const fixed = chart.kind === "fixed"; // brings its own data
   const list = fixed ? [] : chartRows[chart.kind](chart.task, chart.dataset, choice(chart.task));
-  const spec = fixed ? chart.spec : { ...chart.spec, datasets: { ...chart.spec.datasets, points: list.map(point) } };
+  const spec = fixed ? chart.spec : { ...chart.spec, datasets: { ...chart.spec.datasets, points: pointsOf(chart, list) } };
   const { view } = await vegaEmbed(box, spec, { renderer: "svg", actions: false, tooltip: onPoint });
   drawn.set(chart.id, view);
   box.setAttribute("role", "img");
@@ -123,11 +130,11 @@ function updateCard(card) {
 }
 
 function fillTable(details, list) {
-  const heads = ["method", "knobs", "status", "time", "interval", "error", "worst", "bias", "recall", "build", "bytes", "nodes", "leaves"];
+  const heads = ["method", "knobs", "status", "time", "interval", "error", "worst", "bias", "recall", "build", "bytes", "with kept input", "nodes", "leaves"];
   const body = [...list].sort((a, b) => (a.ns ?? Infinity) - (b.ns ?? Infinity)).map((r) => [
     (r.front ? "★ " : "") + r.method, [r.build, r.query].filter(Boolean).join("; "), r.status.replace(/_/g, " "), duration(r.ns),
     r.lo === null ? "–" : `${duration(r.lo)}…${duration(r.hi)}`, figure(r.error), figure(r.error_max), figure(r.bias), share(r.recall),
-    r.build_s === null ? "–" : duration(r.build_s * 1e9), figure(r.bytes), figure(r.nodes), figure(r.leaves),
+    r.build_s === null ? "–" : duration(r.build_s * 1e9), figure(r.bytes), r.kept === null || r.bytes === null ? "–" : figure(r.bytes + r.kept), figure(r.nodes), figure(r.leaves),
   ]);
   const cells = (tag, list) => "<tr>" + list.map((v) => `<${tag}>${escapeHtml(v)}</${tag}>`).join("") + "</tr>";
   details.querySelector(".figures").innerHTML =

@@ -44,10 +44,26 @@ function point(r) {
   return {
     i: r.i, method: r.method, x: r.ns,
     lo: r.lo === null ? r.ns : r.lo, hi: r.hi === null ? r.ns : r.hi,
-    y: r.y, front: !!r.front, best: !!r.best, slot: r.slot, n: r.n,
+    y: r.y, front: !!r.front, promise: !!r.promise, best: !!r.best, slot: r.slot, n: r.n,
     build: r.build_s === null || !r.n ? null : Math.max((r.build_s * 1e9) / r.n, model.table.least),
-    bytes: r.bytes === null || !r.n ? null : Math.max(r.bytes / r.n, model.table.least),
+    bytes: r.bytes === null || !r.n ? null : Math.max((r.bytes + (r.kept || 0)) / r.n, model.table.least),
+    own: r.bytes === null || !r.n ? null : Math.max(r.bytes / r.n, model.table.least),
   };
+}
+
+/// Why a lane of the exact band is empty; ../layout.py says the same.
+function laneNotes(lanes, list) {
+  const drawn = (r) => r.status === "ok" && r.ns !== null && r.error !== null;
+  const exact = new Set(list.filter((r) => drawn(r) && Math.abs(r.error) <= (r.floor || 0)).map((r) => r.method));
+  return Object.entries(lanes).filter(([method]) => !exact.has(method)).map(([method, y]) => {
+    const mine = list.filter((r) => r.method === method), absent = (r) => r.status === "unsupported" || r.status === "not_built";
+    const failed = mine.find((r) => r.status !== "ok" && !absent(r)), missing = mine.find(absent);
+    const reason = missing ? missing.reason || missing.status.replace(/_/g, " ") : "not measured here";
+    const note = mine.some(drawn) ? "not without error here"
+      : failed ? failed.status.replace(/_/g, " ") + " here"
+      : reason.length <= model.table.note_most ? reason : "not offered here (reason below)";
+    return { method, y, note };
+  });
 }
 
 function firstOf(list, key) {
