@@ -57,9 +57,17 @@ template <class Primitives>
 class KdTree;
 template <class Primitives>
 class BspTree;
-/// Layouts of a Bvh: two children a node, with pointers; or 16 children a node, none.
+/// Layouts of a Bvh: two children a node, with pointers; or many that are measured at once: over points 16
+/// children a node and no pointers, over triangles 8 children a node and 8 triangles a leaf.
 struct Binary {};
 struct Wide {};
+/// The wide layout over triangles with 4, 8 or 16 children a node, and 4 or 8 triangles a leaf.
+template <int Children, int LeafSize>
+struct WideOf {};
+/// The wide layout over triangles in half the memory: planes of 8 or 16 bits, corners that a leaf's triangles
+/// share.
+template <int Bits = 16>
+struct WideCompact {};
 template <class Primitives, class Layout = Binary>
 class Bvh;
 

@@ -1,7 +1,7 @@
-// From a binary tree over triangles to the wide one: nodes take the place of up to seven binary ones each.
+// From a binary tree over triangles to the wide one: nodes take the place of all but one binary one a child.
 //
 // Which ones is chosen so that the expected cost of a line through the tree is least: bottom up, the cheapest
-// way for each binary node to stand for one to eight children of a wide one (Ylitie, Karras and Laine 2017,
+// way for each binary node to stand for one or more children of a wide one (Ylitie, Karras and Laine 2017,
 // section 3.1). Against opening the child with the largest box first, nodes become fewer by a third, and
 // fuller. Then one pass tells how much room each subtree takes, and one writes, large subtrees side by side.
 // Cost: O(n).
@@ -14,7 +14,6 @@
 #include "accel/batch.hpp"
 #include "accel/bvh/binary_tree.hpp"
 #include "accel/bvh/wide_triangle_layout.hpp"
-#include "accel/simd/lanes8.hpp"
 #include "geometry/triangle.hpp"
 
 namespace treeline::accel::wide {
@@ -27,6 +26,7 @@ struct RayTree {
   double sah_cost = 0;  // as in TreeStats
 };
 
+template <class Layout>
 class Collapse {
  public:
   using Triangle = geometry::Triangle<float>;
@@ -40,11 +40,11 @@ class Collapse {
     if (tree_.nodes.empty()) return out;
     plans_.resize(tree_.nodes.size()), room_.resize(tree_.nodes.size());
     plan(0);
-    out.lines = AlignedArray<Line>(measure(0, 0, out));
-    if (out.lines.size() >= (std::size_t{1} << 31))
-      throw InvalidInput("more triangles than references reach");
-    lines_ = out.lines.data();
-    in_arena([&] { write(0, 0); });
+    const std::size_t steps = measure(0, 0, out);
+    if (steps >= (std::size_t{1} << 31)) throw InvalidInput("more triangles than references reach");
+    out.lines = AlignedArray<Line>((steps * Layout::step + Layout::overrun + line - 1) / line);
+    bytes_ = out.lines.data()->bytes;
+    in_arena([&] { write(0, 0, own(0)); });
     out.root = ref_to(0, is_leaf_node(0));
     out.references = tree_.references.size();
     out.sah_cost = area(0) > 0 ? out.sah_cost / double(area(0)) : 0;
@@ -52,10 +52,12 @@ class Collapse {
   }
 
  private:
+  using Leaf = RayLeaf<Layout::leaf_size>;
+  static constexpr int width = Layout::width;
   static constexpr float most = 1e28f;
-  static constexpr std::size_t task_lines = 1 << 14;  // 1 MiB of tree: worth a task
+  static constexpr std::size_t task_size = (std::size_t{1} << 20) / Layout::step;  // of a tree worth a task
 
-  /// Up to eight binary nodes that become the children of one wide node.
+  /// Binary nodes that become the children of one wide node.
   struct Children {
     std::uint32_t node[width];
     int count = 0;
@@ -88,7 +90,7 @@ class Collapse {
     Plan& p = plans_[i];
     if (is_leaf_node(i)) {
       std::fill(p.cost, p.cost + width, area(i));
-      std::fill(p.share, p.share + width, Plan::Share{0, 0});
+      std::fill(p.share, p.share + width, typename Plan::Share{0, 0});
       return;
     }
     const std::uint32_t first = tree_.nodes[i].first;
@@ -125,38 +127,51 @@ class Collapse {
   }
 
   std::size_t measure(std::uint32_t root, std::size_t level, RayTree& out) {
-    std::size_t room = leaf_lines;
+    std::size_t room;
     const std::uint32_t triangles = tree_.nodes[root].count;
     out.depth = std::max(out.depth, level);
     if (is_leaf_node(root)) {
-      if (triangles > width)
+      if (triangles > Layout::leaf_size)
         throw InvalidInput("a leaf of " + std::to_string(triangles) + " triangles; at most " +
-                           std::to_string(width) + " fit");
+                           std::to_string(Layout::leaf_size) + " fit");
       ++out.leaves;
       out.largest_leaf = std::max<std::size_t>(out.largest_leaf, triangles);
       out.sah_cost += double(area(root)) * triangles;
+      Leaf leaf;
+      if constexpr (Layout::families) fill(leaf, tree_.nodes[root]);
+      room = Layout::leaf_steps(leaf, triangles);
     } else {
       const Children c = children_of(root);
       ++out.nodes;
       out.sah_cost += double(area(root));
-      room = node_lines;
+      room = Layout::node_steps;
       for (int i = 0; i < c.count; ++i) room += measure(c.node[i], level + 1, out);
     }
     return room_[root] = static_cast<std::uint32_t>(room), room;
   }
 
-  /// Leaves of a node first, then the subtrees below. Returns the triangles' areas, seen along the axes.
-  float write(std::uint32_t root, std::size_t at) {
+  /// Steps of a node or leaf itself.
+  std::size_t own(std::uint32_t i) const { return is_leaf_node(i) ? room_[i] : Layout::node_steps; }
+
+  /// Writes a node or leaf, and from `next` on what is below. Of a node's children, leaves come first; then
+  /// each subtree in one piece, or all child nodes and then what is below them. Returns the triangles' areas,
+  /// seen along the axes.
+  float write(std::uint32_t root, std::size_t at, std::size_t next) {
     if (is_leaf_node(root)) return write_leaf(root, at);
     const Children c = children_of(root);
-    std::size_t next = at + node_lines, place[width];
+    std::size_t place[width], rest[width];
     float covered[width];
     for (int i = 0; i < c.count; ++i) prefetch(tree_.nodes[c.node[i]]);
     for (const bool leaves : {true, false})
       for (int i = 0; i < c.count; ++i)
-        if (is_leaf_node(c.node[i]) == leaves) place[i] = next, next += room_[c.node[i]];
-    const auto below = [&](int i) { covered[i] = write(c.node[i], place[i]); };
-    if (threads_ > 1 && room_[root] >= task_lines) {
+        if (const std::uint32_t child = c.node[i]; is_leaf_node(child) == leaves) {
+          place[i] = next, rest[i] = next + own(child);
+          next += Layout::families ? own(child) : room_[child];
+        }
+    if constexpr (Layout::families)
+      for (int i = 0; i < c.count; ++i) rest[i] = next, next += room_[c.node[i]] - own(c.node[i]);
+    const auto below = [&](int i) { covered[i] = write(c.node[i], place[i], rest[i]); };
+    if (threads_ > 1 && room_[root] >= task_size) {
 #ifdef __SANITIZE_THREAD__
       for (int i = 0; i < c.count; ++i) below(i);
 #else
@@ -176,16 +191,19 @@ class Collapse {
       for (; j > 0 && !(worth[order[j - 1]] <= worth[i]); --j) order[j] = order[j - 1];
       order[j] = i;
     }
-    RayNode& node = *reinterpret_cast<RayNode*>(lines_ + at);
-    for (int i = 0; i < width; ++i) {
-      const bool present = i < c.count;
-      const int from = present ? order[i] : 0;
-      const geometry::Box<float, 3> box = present ? tree_.nodes[c.node[from]].box : geometry::Box<float, 3>{};
-      for (int k = 0; k < 3; ++k) node.plane[k][0][i] = box.low[k], node.plane[k][1][i] = box.high[k];
-      node.child[i] = present ? ref_to(place[from], is_leaf_node(c.node[from])) : no_ref;
-      node.spare[i] = 0;
+    geometry::Box<float, 3> boxes[width];
+    Ref refs[width];
+    for (int i = 0; i < c.count; ++i) {
+      const std::uint32_t child = c.node[order[i]];
+      boxes[i] = tree_.nodes[child].box, refs[i] = ref_to(place[order[i]], is_leaf_node(child));
     }
+    const auto count = static_cast<std::size_t>(c.count);
+    Layout::write(node_to(at), {{boxes, count}, {refs, count}});
     return sum;
+  }
+
+  typename Layout::Node& node_to(std::size_t at) const {
+    return *reinterpret_cast<typename Layout::Node*>(bytes_ + at * Layout::step);
   }
 
   /// The triangles of a leaf lie anywhere.
@@ -198,15 +216,34 @@ class Collapse {
 
   float write_leaf(std::uint32_t i, std::size_t at) {
     const BinaryNode& from = tree_.nodes[i];
-    RayLeaf& leaf = *reinterpret_cast<RayLeaf*>(lines_ + at);
-    std::uint32_t sorted[width];
+    Leaf leaf;
+    fill(leaf, from);
+    Layout::write(*reinterpret_cast<typename Layout::Leaf*>(bytes_ + at * Layout::step), leaf, from.count);
+    using F = simd::Floats<Layout::leaf_size>;
+    const auto side = [&](int corner, int k) {
+      return F::load(leaf.corner[corner][k]) - F::load(leaf.corner[0][k]);
+    };
+    const auto normal = [&](int k) {
+      const int l = (k + 1) % 3, m = (k + 2) % 3;
+      return absolute(side(1, l) * side(2, m) - side(1, m) * side(2, l));
+    };
+    alignas(32) float twice[Layout::leaf_size];
+    (normal(0) + normal(1) + normal(2)).store(twice);
+    float sum = 0;
+    for (std::uint32_t j = 0; j < from.count; ++j) sum += twice[j];
+    return std::min(0.5f * sum, most);
+  }
+
+  void fill(Leaf& leaf, const BinaryNode& from) const {
+    constexpr std::uint32_t size = Layout::leaf_size;
+    std::uint32_t sorted[size];
     for (std::uint32_t j = 0; j < from.count; ++j) {
       const std::uint32_t reference = tree_.references[from.first + j];
       std::uint32_t k = j;
       for (; k > 0 && sorted[k - 1] > reference; --k) sorted[k] = sorted[k - 1];
       sorted[k] = reference;
     }
-    for (std::uint32_t j = 0; j < width; ++j) {
+    for (std::uint32_t j = 0; j < size; ++j) {
       // The last one again where there are no more: it can only be found twice, which changes nothing.
       const std::uint32_t t = sorted[std::min(j, from.count - 1)];
       const Triangle& triangle = triangles_[t];
@@ -215,27 +252,15 @@ class Collapse {
         leaf.corner[2][k][j] = triangle.c[k];
       leaf.id[j] = ids_.empty() ? t : ids_[t];
     }
-    const auto side = [&](int corner, int k) {
-      return simd::Floats8::load(leaf.corner[corner][k]) - simd::Floats8::load(leaf.corner[0][k]);
-    };
-    const auto normal = [&](int k) {
-      const int l = (k + 1) % 3, m = (k + 2) % 3;
-      return absolute(side(1, l) * side(2, m) - side(1, m) * side(2, l));
-    };
-    alignas(32) float twice[width];
-    (normal(0) + normal(1) + normal(2)).store(twice);
-    float sum = 0;
-    for (std::uint32_t j = 0; j < from.count; ++j) sum += twice[j];
-    return std::min(0.5f * sum, most);
   }
 
   const BinaryTree& tree_;
   std::span<const Triangle> triangles_;
   std::span<const Id> ids_;
   int threads_;
-  Line* lines_ = nullptr;
+  unsigned char* bytes_ = nullptr;
   std::vector<Plan> plans_;
-  std::vector<std::uint32_t> room_;  // lines that the subtree below a binary node takes
+  std::vector<std::uint32_t> room_;  // steps that the subtree below a binary node takes
 };
 
 }  // namespace treeline::accel::wide

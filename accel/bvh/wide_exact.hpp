@@ -1,6 +1,6 @@
 // The leaf test without an error: no false hit, no false miss, t rounded once.
 //
-// Float sorts out what is certain: the sheared edge functions of wide_ray.hpp with a bound on their error.
+// Float sorts out what is certain: the sheared edge functions of wide_woop.hpp with a bound on their error.
 // The few triangles that may be hit are decided in double, and in exact arithmetic where double is not enough
 // (see exact_ray_triangle.hpp). The bound: with Q the reach plus the largest coordinate, a sheared corner is
 // off by at most D = 9 u Q (2 u Q to move it to the origin, 6 u Q to shear it, and second-order terms), an
@@ -9,13 +9,15 @@
 // a triangle that may be hit.
 #pragma once
 
-#include "accel/bvh/wide_ray.hpp"
+#include "accel/bvh/wide_woop.hpp"
 #include "geometry/exact_ray_triangle.hpp"
 
 namespace treeline::accel::wide {
 
+template <int N>
 class ExactTest {
  public:
+  using Leaf = RayLeaf<N>;
   using Box = geometry::Box<float, 3>;
 
   ExactTest(const geometry::Ray<float>& ray, const geometry::Vec<float, 3>& centre, const Box& bounds,
@@ -29,7 +31,7 @@ class ExactTest {
     off_ = 10 * geometry::tolerance::unit_roundoff<float> * q + std::numeric_limits<float>::min();
   }
 
-  [[gnu::always_inline]] std::uint32_t hits(const RayLeaf& leaf, float limit, float (&t)[width]) const {
+  [[gnu::always_inline]] std::uint32_t hits(const Leaf& leaf, float limit, float (&t)[N]) const {
     std::uint32_t bits = 0;
     for (std::uint32_t maybe = sheared_.maybe(leaf, off_); maybe != 0; maybe &= maybe - 1) {
       const auto lane = static_cast<std::uint32_t>(std::countr_zero(maybe));
@@ -37,20 +39,20 @@ class ExactTest {
     }
     return bits;
   }
-  void weights(const RayLeaf& leaf, std::uint32_t lane, float& u, float& v) const {
+  void weights(const Leaf& leaf, std::uint32_t lane, float& u, float& v) const {
     const auto hit = exact_(triangle(leaf, lane), t_max_);
     u = hit->u, v = hit->v;
   }
 
  private:
-  static geometry::Triangle<float> triangle(const RayLeaf& leaf, std::uint32_t lane) {
+  static geometry::Triangle<float> triangle(const Leaf& leaf, std::uint32_t lane) {
     const auto corner = [&](int i) {
       return geometry::Vec<float, 3>{leaf.corner[i][0][lane], leaf.corner[i][1][lane],
                                      leaf.corner[i][2][lane]};
     };
     return {corner(0), corner(1), corner(2)};
   }
-  [[gnu::noinline]] bool is_hit(const RayLeaf& leaf, std::uint32_t lane, float limit, float& t) const {
+  [[gnu::noinline]] bool is_hit(const Leaf& leaf, std::uint32_t lane, float limit, float& t) const {
     // Against the ray's own end, not the nearest hit so far: what rounds to the same t ties.
     const auto hit = exact_(triangle(leaf, lane), t_max_);
     if (!hit || hit->t > limit) return false;
@@ -58,7 +60,7 @@ class ExactTest {
     return true;
   }
 
-  WoopTest sheared_;
+  WoopTest<N> sheared_;
   geometry::ExactRay exact_;
   float off_, t_max_;
 };

@@ -15,43 +15,43 @@ namespace treeline::accel::wide {
 inline constexpr int in_flight = 12;
 
 /// A ray on its way to the nearest hit.
-template <class Test>
+template <class Layout, class Test>
 class ClosestFlight {
  public:
   template <class Ray, class Point, class Box>
   void start(const Ray& ray, const Point& centre, const Box& bounds, Ref root) {
-    new (&box_ray_) BoxRay(ray, centre, bounds);
+    new (&box_ray_) BoxRay<Layout>(ray, centre, bounds);
     new (&test) Test(ray, centre, bounds, box_ray_.reach);
     best = {ray.t_max};
-    limit_ = key_of(ray.t_max), ref_ = root;
+    limit_ = key_of<Layout>(ray.t_max), ref_ = root;
     stack_.clear(root);
   }
   /// False when it has arrived.
   [[gnu::always_inline]] bool step(const Line* lines) {
     if (!is_leaf(ref_)) {
-      const RayNode& node = node_at(lines, ref_);
-      const BoxHits hits = meet(node, box_ray_, best.t);
+      const auto& node = node_at<Layout>(lines, ref_);
+      const auto hits = meet(node, box_ray_, best.t);
       if (hits.bits != 0) {
-        ref_ = descend<false>(node, hits, stack_);
-        prefetch(lines, ref_);
+        ref_ = descend<false, Layout>(node, hits, stack_);
+        prefetch<Layout>(lines, ref_);
         return true;
       }
-    } else if (try_leaf<false>(leaf_at(lines, ref_), test, best)) {
-      limit_ = key_of(best.t);
+    } else if (try_leaf<Layout, false>(lines, ref_, test, best)) {
+      limit_ = key_of<Layout>(best.t);
     }
     do {
       if (stack_.empty()) return false;
       --stack_.height;
     } while (stack_.key[stack_.height] > limit_);
     ref_ = stack_.ref[stack_.height];
-    prefetch(lines, ref_);
+    prefetch<Layout>(lines, ref_);
     return true;
   }
 
   union {
     Test test;
   };
-  NearestHit best;
+  NearestHit<Layout> best;
   std::size_t index;  // for the caller to use, as is shift
   int shift;
 
@@ -59,41 +59,42 @@ class ClosestFlight {
 
  private:
   union {
-    BoxRay box_ray_;
+    BoxRay<Layout> box_ray_;
   };
   std::uint32_t limit_;
   Ref ref_;
-  RayStack stack_;
+  RayStack<Layout> stack_;
 };
 
 /// The same for any hit: best.id tells whether there was one.
-template <class Test>
+template <class Layout, class Test>
 class AnyFlight {
  public:
   template <class Ray, class Point, class Box>
   void start(const Ray& ray, const Point& centre, const Box& bounds, Ref root) {
-    new (&box_ray_) BoxRay(ray, centre, bounds);
+    new (&box_ray_) BoxRay<Layout>(ray, centre, bounds);
     new (&test_) Test(ray, centre, bounds, box_ray_.reach);
     best_ = {ray.t_max};
     hit = false, height_ = 0, ref_ = root;
   }
   [[gnu::always_inline]] bool step(const Line* lines) {
     if (!is_leaf(ref_)) {
-      const RayNode& node = node_at(lines, ref_);
+      const auto& node = node_at<Layout>(lines, ref_);
       const std::uint32_t bits = meet(node, box_ray_, best_.t).bits;
       if (bits != 0) {
-        ref_ = node.child[std::bit_width(bits) - 1];
-        prefetch(lines, ref_);
-        height_ += simd::store_set8(bits, node.child, stack_ + height_) - 1;
+        const auto& children = Layout::children(node);
+        ref_ = children[std::bit_width(bits) - 1];
+        prefetch<Layout>(lines, ref_);
+        height_ += simd::store_chosen<Layout::width>(bits, children, stack_ + height_) - 1;
         return true;
       }
-    } else if (try_leaf<true>(leaf_at(lines, ref_), test_, best_)) {
+    } else if (try_leaf<Layout, true>(lines, ref_, test_, best_)) {
       hit = true;
       return false;
     }
     if (height_ == 0) return false;
     ref_ = stack_[--height_];
-    prefetch(lines, ref_);
+    prefetch<Layout>(lines, ref_);
     return true;
   }
 
@@ -105,15 +106,15 @@ class AnyFlight {
 
  private:
   union {
-    BoxRay box_ray_;
+    BoxRay<Layout> box_ray_;
   };
   union {
     Test test_;
   };
-  NearestHit best_;
+  NearestHit<Layout> best_;
   int height_;
   Ref ref_;
-  Ref stack_[ray_stack_size];
+  Ref stack_[ray_stack_size<Layout>];
 };
 
 /// Calls start(flight, i) and, when it has arrived, finish(flight), for each i in [begin, end) once.

@@ -1,18 +1,20 @@
 // Wide bounding volume hierarchy over triangles: the fastest index here for rays.
 //
-// Eight child boxes a node and eight triangles a leaf, each measured by one pass of vector instructions
-// (Wald, Benthin and Boulos 2008; Ernst and Greiner 2008), children visited in order of distance without a
-// branch on how many were met. Layout, box test, triangle test and traversal are described in
-// wide_triangle_layout.hpp and wide_ray.hpp, the way there in build_binned.hpp and wide_collapse.hpp; any
-// builder of binary trees can take the place of the default. Cost: O(n log n) to build, O(log n) expected per
-// ray, about 50 bytes a triangle, its corners included. Known weakness: float's, for triangles seen edge-on
-// (see wide_ray.hpp); one ray at a time waits for memory at every level where the tree outgrows the caches.
+// Eight child boxes a node and eight triangles a leaf (WideOf: other numbers), each measured by one pass of
+// vector instructions (Wald, Benthin and Boulos 2008; Ernst and Greiner 2008), children visited in order of
+// distance without a branch on how many were met. Layout, box test, triangle test and traversal are described
+// in wide_triangle_layout.hpp, wide_ray.hpp and wide_woop.hpp, the way there in build_binned.hpp and
+// wide_collapse.hpp; any builder of binary trees can take the place of the default. Cost: O(n log n) to
+// build, O(log n) expected per ray, about 50 bytes a triangle, its corners included. Known weakness: float's,
+// for triangles seen edge-on (see wide_woop.hpp); one ray at a time waits for memory at every level where the
+// tree outgrows the caches.
 #pragma once
 
 #include "accel/bvh/build_binned.hpp"
 #include "accel/bvh/triangle_input.hpp"
 #include "accel/bvh/wide_collapse.hpp"
 #include "accel/bvh/wide_exact.hpp"
+#include "accel/bvh/wide_ray.hpp"
 #include "accel/bvh/wide_stream.hpp"
 #include "accel/ray_checks.hpp"
 #include "accel/slice.hpp"
@@ -33,21 +35,21 @@ struct WideTriangleOptions {
 };
 
 namespace wide {
-/// Leaf test of a policy.
-template <class Policy>
+/// Leaf test of a policy, for N triangles a leaf.
+template <class Policy, int N>
 struct LeafTestOf;
-template <>
-struct LeafTestOf<geometry::Watertight> {
-  using Type = WoopTest;
+template <int N>
+struct LeafTestOf<geometry::Watertight, N> {
+  using Type = WoopTest<N>;
 };
-template <>
-struct LeafTestOf<geometry::Exact> {
-  using Type = ExactTest;
+template <int N>
+struct LeafTestOf<geometry::Exact, N> {
+  using Type = ExactTest<N>;
 };
 }  // namespace wide
 
-template <class Policy>
-class Bvh<Triangles<float, Policy>, Wide> {
+template <class Policy, wide::TriangleLayout Name>
+class Bvh<Triangles<float, Policy>, Name> {
  public:
   using Scalar = float;
   using Point = geometry::Vec<float, 3>;
@@ -114,11 +116,11 @@ class Bvh<Triangles<float, Policy>, Wide> {
     hits.clear();
     if (tree_.root == wide::no_ref) return;
     placed(given, [&](const Ray& ray, const Point& centre, int shift) {
-      const wide::BoxRay box_ray(ray, centre, place_.bounds);
+      const BoxRay box_ray(ray, centre, place_.bounds);
       const Test test(ray, centre, place_.bounds, box_ray.reach);
       wide::all(tree_.lines.data(), tree_.root, box_ray, test, ray.t_max,
-                [&](const wide::RayLeaf& leaf, std::uint32_t lane, float t) {
-                  hits.push_back(answer(given, shift, test, {t, leaf.id[lane], &leaf, lane}));
+                [&](const typename Layout::Leaf& leaf, Id id, std::uint32_t lane, float t) {
+                  hits.push_back(answer(given, shift, test, {t, id, &leaf, lane}));
                 });
     });
     std::sort(hits.begin(), hits.end(), [](const Hit<float>& a, const Hit<float>& b) {
@@ -140,15 +142,18 @@ class Bvh<Triangles<float, Policy>, Wide> {
   std::vector<SliceCell> slice(int axis, double offset) const;
 
  private:
-  using Test = typename wide::LeafTestOf<Policy>::Type;
+  using Layout = typename wide::LayoutOf<Name>::Type;
+  using Test = typename wide::LeafTestOf<Policy, Layout::leaf_size>::Type;
+  using BoxRay = wide::BoxRay<Layout>;
+  using NearestHit = wide::NearestHit<Layout>;
 
   template <class Build>
   Bvh(TriangleInput&& input, const Options& options, Build&& build) : place_(input.place()) {
     BinaryBuildOptions how;
-    how.block = how.largest_leaf = wide::width;
+    how.block = how.largest_leaf = Layout::leaf_size;
     how.node_cost = options.node_cost, how.threads = options.threads;
     const BinaryTree binary = build(input.triangles(), how);
-    tree_ = wide::Collapse(binary, input.triangles(), input.ids(), options.threads).run();
+    tree_ = wide::Collapse<Layout>(binary, input.triangles(), input.ids(), options.threads).run();
     count(input);
   }
   void count(const TriangleInput& input);
@@ -167,26 +172,26 @@ class Bvh<Triangles<float, Policy>, Wide> {
   Hit<float> closest(const Ray& given, W& work) const {
     if (tree_.root == wide::no_ref) return {};
     return placed(given, [&](const Ray& ray, const Point& centre, int shift) {
-      const wide::BoxRay box_ray(ray, centre, place_.bounds);
+      const BoxRay box_ray(ray, centre, place_.bounds);
       const Test test(ray, centre, place_.bounds, box_ray.reach);
-      wide::NearestHit best{ray.t_max};
+      NearestHit best{ray.t_max};
       wide::closest(tree_.lines.data(), tree_.root, box_ray, test, best, work);
       return answer(given, shift, test, best);
     });
   }
-  static Hit<float> answer(const Ray& given, int shift, const Test& test, const wide::NearestHit& best) {
+  static Hit<float> answer(const Ray& given, int shift, const Test& test, const NearestHit& best) {
     Hit<float> hit;
     if (best.id == no_id) return hit;
     hit.t = shift == 0 ? best.t : TriangleScale<float>::unscaled_t(best.t, shift, given);
     hit.primitive = best.id;
-    test.weights(*best.leaf, best.lane, hit.u, hit.v);
+    test.weights(Layout::triangles(*best.leaf), best.lane, hit.u, hit.v);
     return hit;
   }
   template <class W>
   bool any(const Ray& given, W& work) const {
     if (tree_.root == wide::no_ref) return false;
     return placed(given, [&](const Ray& ray, const Point& centre, int) {
-      const wide::BoxRay box_ray(ray, centre, place_.bounds);
+      const BoxRay box_ray(ray, centre, place_.bounds);
       return wide::any(tree_.lines.data(), tree_.root, box_ray,
                        Test(ray, centre, place_.bounds, box_ray.reach), ray.t_max, work);
     });
@@ -199,7 +204,7 @@ class Bvh<Triangles<float, Policy>, Wide> {
   }
   void fly_closest(std::span<const Ray> rays, std::span<Hit<float>> hits, std::size_t begin,
                    std::size_t end) const {
-    wide::fly<wide::ClosestFlight<Test>>(
+    wide::fly<wide::ClosestFlight<Layout, Test>>(
         tree_.lines.data(), begin, end, [&](auto& flight, std::size_t i) { start(flight, rays[i], i); },
         [&](const auto& flight) {
           hits[flight.index] = answer(rays[flight.index], flight.shift, flight.test, flight.best);
@@ -207,7 +212,7 @@ class Bvh<Triangles<float, Policy>, Wide> {
   }
   void fly_any(std::span<const Ray> rays, std::span<std::uint8_t> answers, std::size_t begin,
                std::size_t end) const {
-    wide::fly<wide::AnyFlight<Test>>(
+    wide::fly<wide::AnyFlight<Layout, Test>>(
         tree_.lines.data(), begin, end, [&](auto& flight, std::size_t i) { start(flight, rays[i], i); },
         [&](const auto& flight) { answers[flight.index] = flight.hit ? 1 : 0; });
   }
@@ -224,8 +229,8 @@ class Bvh<Triangles<float, Policy>, Wide> {
   TreeStats stats_;
 };
 
-template <class Policy>
-void Bvh<Triangles<float, Policy>, Wide>::count(const TriangleInput& input) {
+template <class Policy, wide::TriangleLayout Name>
+void Bvh<Triangles<float, Policy>, Name>::count(const TriangleInput& input) {
   stats_.primitives = input.triangles().size(), stats_.dropped = input.dropped();
   stats_.references = tree_.references, stats_.inner_nodes = tree_.nodes, stats_.leaves = tree_.leaves;
   stats_.depth = tree_.depth, stats_.largest_leaf = tree_.largest_leaf;
@@ -233,8 +238,8 @@ void Bvh<Triangles<float, Policy>, Wide>::count(const TriangleInput& input) {
   stats_.sah_cost = tree_.sah_cost;
 }
 
-template <class Policy>
-std::vector<SliceCell> Bvh<Triangles<float, Policy>, Wide>::slice(int axis, double offset) const {
+template <class Policy, wide::TriangleLayout Name>
+std::vector<SliceCell> Bvh<Triangles<float, Policy>, Name>::slice(int axis, double offset) const {
   const double factor = static_cast<double>(place_.scale.factor());
   const SlicePlane<3> plane(axis, (offset - static_cast<double>(place_.centre[axis])) * factor);
   std::vector<SliceCell> cells;
@@ -250,18 +255,15 @@ std::vector<SliceCell> Bvh<Triangles<float, Policy>, Wide>::slice(int axis, doub
     open.pop_back();
     if (!plane.cuts(o.box)) continue;
     if (wide::is_leaf(o.ref)) {
-      const wide::RayLeaf& leaf = wide::leaf_at(tree_.lines.data(), o.ref);
+      const auto& leaf = Layout::triangles(wide::leaf_at<Layout>(tree_.lines.data(), o.ref));
       std::size_t triangles = 1;
-      while (triangles < wide::width && leaf.id[triangles] != leaf.id[triangles - 1]) ++triangles;
+      while (triangles < Layout::leaf_size && leaf.id[triangles] != leaf.id[triangles - 1]) ++triangles;
       cells.push_back({plane.outline(o.box), o.depth, triangles});
       continue;
     }
-    const wide::RayNode& node = wide::node_at(tree_.lines.data(), o.ref);
-    for (int i = 0; i < wide::width && node.child[i] != wide::no_ref; ++i) {
-      Box box;
-      for (int k = 0; k < 3; ++k) box.low[k] = node.plane[k][0][i], box.high[k] = node.plane[k][1][i];
-      open.push_back({node.child[i], box, o.depth + 1});
-    }
+    const auto& node = wide::node_at<Layout>(tree_.lines.data(), o.ref);
+    for (int i = 0; i < Layout::count(node); ++i)
+      open.push_back({Layout::child(node, static_cast<std::uint32_t>(i)), Layout::box(node, i), o.depth + 1});
   }
   cells = scaled(std::move(cells), static_cast<double>(place_.scale.inverse()));
   const int across[2] = {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2};

@@ -40,6 +40,13 @@ inline Floats4 absolute(Floats4 a) { return {_mm_and_ps(a.r, _mm_castsi128_ps(_m
 inline std::uint32_t sign_bits(Floats4 a) { return static_cast<std::uint32_t>(_mm_movemask_ps(a.r)); }
 /// a where m is negative, else b.
 inline Floats4 where_negative(Floats4 m, Floats4 a, Floats4 b) { return {_mm_blendv_ps(b.r, a.r, m.r)}; }
+/// One bit a lane; no bit where either is NaN.
+inline std::uint32_t bits_le(Floats4 a, Floats4 b) {
+  return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_cmple_ps(a.r, b.r)));
+}
+inline std::uint32_t bits_lt(Floats4 a, Floats4 b) {
+  return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_cmplt_ps(a.r, b.r)));
+}
 #else
 struct Floats4 {
   FloatReg r;
@@ -65,6 +72,12 @@ inline Floats4 absolute(Floats4 a) {
 inline std::uint32_t sign_bits(Floats4 a) { return bits_set(as_ints(a.r) >> 31); }
 inline Floats4 where_negative(Floats4 m, Floats4 a, Floats4 b) {
   return {as_ints(m.r) < broadcast(std::int32_t{0}) ? a.r : b.r};
+}
+inline std::uint32_t bits_le(Floats4 a, Floats4 b) { return bits_le(a.r, b.r); }
+inline std::uint32_t bits_lt(Floats4 a, Floats4 b) {
+  std::uint32_t bits = 0;
+  for (int i = 0; i < 4; ++i) bits |= (a.r[i] < b.r[i] ? 1u : 0u) << i;
+  return bits;
 }
 #endif
 

@@ -1,97 +1,60 @@
-// Our wide bounding volume hierarchy, two ways: watertight and exact. The knob batch: streams,
-// several rays in flight, or singly, one after the other. The knob builder: what makes the binary tree that
-// is folded into wide nodes.
+// Our wide bounding volume hierarchy, watertight. The knob builder: what makes the binary tree that is folded
+// into wide nodes. The knobs width and leaf: children of a node and triangles of a leaf, 8 and 8 where they
+// are not named.
 #include "accel/bvh/build_ploc.hpp"
 #include "accel/bvh/build_spatial.hpp"
 #include "accel/bvh/build_sweep.hpp"
 #include "accel/bvh/reinsertion.hpp"
-#include "accel/bvh/wide_triangles.hpp"
 
-#include "bench/ray/tree_index.hpp"
+#include "bench/ray/wide_index.hpp"
 
 namespace treeline::bench::ray {
-namespace {
 
-template <class Tree>
-class WideIndex final : public Index {
- public:
-  explicit WideIndex(Tree tree) : tree_(std::move(tree)) {}
-
-  void closest(std::span<const geometry::Rayf> rays, std::span<RayAnswer> out, const Knobs& knobs,
-               int threads) const override {
-    tree_.closest_hit(rays, out, threads, batch(knobs));
-  }
-  void any(std::span<const geometry::Rayf> rays, std::span<std::uint8_t> out, const Knobs& knobs,
-           int threads) const override {
-    tree_.any_hit(rays, out, threads, batch(knobs));
-  }
-  std::optional<std::pair<double, double>> work(std::span<const geometry::Rayf> rays,
-                                                bool any) const override {
-    return work_of(tree_, rays, any);
-  }
-  std::vector<accel::SliceCell> slice(int axis, double offset) const override {
-    return tree_.slice(axis, offset);
-  }
-
- private:
-  static accel::RayBatch batch(const Knobs& knobs) {
-    if (!knobs.contains("batch")) return accel::RayBatch::automatic;
-    return knobs.at("batch") == "singly" ? accel::RayBatch::singly : accel::RayBatch::streams;
-  }
-
-  Tree tree_;
-};
-
-using accel::BinaryBuildOptions;
-using accel::BinaryTree;
-using Triangles = std::span<const geometry::Triangle<float>>;
-
-BinaryTree build_binary(const std::string& builder, Triangles triangles, const BinaryBuildOptions& options) {
+accel::BinaryTree build_binary(const std::string& builder,
+                               std::span<const geometry::Triangle<float>> triangles,
+                               const accel::BinaryBuildOptions& options) {
   if (builder == "sweep") return accel::build_sweep(triangles, options);
   if (builder == "spatial") return accel::build_spatial(triangles, {options});
   if (builder == "ploc") return accel::build_ploc(triangles, {options});
   if (builder == "reinsertion") {
-    BinaryTree tree = accel::build_binned(triangles, options);
+    accel::BinaryTree tree = accel::build_binned(triangles, options);
     accel::reinsert(tree, {.threads = options.threads});
     return tree;
   }
   return accel::build_binned(triangles, options);
 }
 
-template <class Policy>
+namespace {
+
 std::unique_ptr<Index> build(const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) {
-  using Tree = accel::Bvh<accel::Triangles<float, Policy>, accel::Wide>;
-  const auto builder = knobs.at("builder").get<std::string>();
-  const auto binary = [&](Triangles triangles, const BinaryBuildOptions& options) {
-    return build_binary(builder, triangles, options);
-  };
-  return std::make_unique<WideIndex<Tree>>(
-      Tree(mesh, {.non_finite = accel::NonFinite::drop, .threads = threads}, binary));
+  const int width = knobs.value("width", 8), leaf = knobs.value("leaf", 8);
+  WideBuild* const builds[3][2] = {{build_wide_4_4, build_wide_4_8},
+                                   {build_wide_8_4, build_wide<geometry::Watertight, accel::Wide>},
+                                   {build_wide_16_4, build_wide_16_8}};
+  return builds[width / 8][leaf / 8](mesh, knobs, threads);
 }
 
-std::vector<Knobs> builders(std::initializer_list<const char*> names) {
+std::vector<Knobs> builds() {
   std::vector<Knobs> all;
-  for (const char* name : names) all.push_back(Knobs{{"builder", name}});
+  const auto sized = [&](const char* builder, int width, int leaf) {
+    all.push_back(Knobs{{"builder", builder}, {"width", width}, {"leaf", leaf}});
+  };
+  for (const char* builder : {"binned", "spatial"}) all.push_back(Knobs{{"builder", builder}});
+  sized("binned", 16, 8), sized("spatial", 16, 8);
+  for (const char* builder : {"sweep", "ploc", "reinsertion"}) all.push_back(Knobs{{"builder", builder}});
+  sized("binned", 16, 4), sized("binned", 8, 4), sized("binned", 4, 8), sized("binned", 4, 4);
   return all;
 }
 
-template <class Policy>
-bool add(const char* name, Claim claim, int ladder, std::vector<Knobs> build_knobs) {
-  return Registry<Method>::instance().add(
-      {.info = {.name = name,
-                .family = "bvh",
-                .claim = claim,
-                .build_knobs = std::move(build_knobs),
-                .query_knobs = {{{"batch", "streams"}}, {{"batch", "singly"}}},
-                .ladder = ladder,
-                .quick_builds = 2},
-       .build = build<Policy>});
-}
-
 [[maybe_unused]] const bool registered =
-    add<geometry::Watertight>("bvh_wide", Claim::bounded, 11,
-                              builders({"binned", "spatial", "sweep", "ploc", "reinsertion"})) &&
-    add<geometry::Exact>("bvh_wide_exact", Claim::exact, 12, builders({"binned"}));
+    Registry<Method>::instance().add({.info = {.name = "bvh_wide",
+                                               .family = "bvh",
+                                               .claim = Claim::bounded,
+                                               .build_knobs = builds(),
+                                               .query_knobs = wide_batches(),
+                                               .ladder = 11,
+                                               .quick_builds = 3},
+                                      .build = build});
 
 }  // namespace
 }  // namespace treeline::bench::ray

@@ -23,7 +23,7 @@ std::pair<double, double> work_of(const Tree& tree, std::span<const geometry::Ra
 }
 
 template <accel::RayIndex Tree>
-class TreeIndex final : public Index {
+class TreeIndex : public Index {
  public:
   /// node_bytes: of an inner node; 0 where there is none.
   explicit TreeIndex(Tree tree, std::size_t node_bytes = 0)
@@ -72,6 +72,9 @@ class TreeIndex final : public Index {
     else
       return {};
   }
+
+ protected:
+  const Tree& tree() const { return tree_; }
 
  private:
   Tree tree_;

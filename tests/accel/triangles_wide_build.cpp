@@ -1,19 +1,17 @@
 // What the wide tree over triangles is made of: leaves, boxes, slices, whatever the threads that built it.
 #include "accel/bvh/wide_triangles.hpp"
-#include "tests/accel/triangles_common.hpp"
+#include "tests/accel/triangles_wide.hpp"
 
 namespace treeline::accel::test {
 namespace {
 
 using Closed = Bvh<Triangles<float, Watertight>, accel::Wide>;
-using V = Vec<float, 3>;
-using R = Ray<float>;
 
 TEST(WideBuild, TreeDoesNotDependOnThreads) {
   const auto triangles = soup<float>(70000, 0.01f, 71);
   const auto built = [&](int threads) { return build_binned(triangles, {.threads = threads}); };
   const BinaryTree one = built(1);
-  const auto lines = wide::Collapse(one, triangles, {}, 1).run().lines;
+  const auto lines = wide::Collapse<wide::PlainLayout<8, 8>>(one, triangles, {}, 1).run().lines;
   for (const int threads : {2, 5}) {
     const BinaryTree other = built(threads);
     ASSERT_EQ(one.references, other.references);
@@ -23,7 +21,7 @@ TEST(WideBuild, TreeDoesNotDependOnThreads) {
       ASSERT_EQ(one.nodes[i].first, other.nodes[i].first);
       ASSERT_EQ(one.nodes[i].count, other.nodes[i].count);
     }
-    const auto same = wide::Collapse(other, triangles, {}, threads).run().lines;
+    const auto same = wide::Collapse<wide::PlainLayout<8, 8>>(other, triangles, {}, threads).run().lines;
     ASSERT_EQ(lines.size(), same.size());
     ASSERT_EQ(std::memcmp(lines.data(), same.data(), lines.size() * sizeof(wide::Line)), 0);
   }

@@ -29,13 +29,14 @@ TEST(RayTask, HasTheMethodsThatCMakeLists) {
   for (const auto& name : split_names(RAY_TEST_METHODS)) listed.insert(name);
   // What is listed is source files; each of our trees' registers a fast variant, too.
   for (const char* tree : {"brute", "kd_tree", "bsp_tree", "bvh"}) listed.insert(std::string(tree) + "_fast");
-  for (const char* other : {"slab_textbook", "slab_padded", "bvh_wide", "bvh_wide_exact"})
+  for (const char* other : {"slab_textbook", "slab_padded", "bvh_wide", "bvh_wide_compact", "bvh_wide_exact"})
     listed.insert(other);
   EXPECT_EQ(names, listed);
   EXPECT_EQ(names.size(), task.methods().size() + task.not_built().size());
-  for (const char* name : {"brute", "brute_fast", "kd_tree", "kd_tree_fast", "bsp_tree", "bsp_tree_fast",
-                           "bvh", "bvh_fast", "bvh_wide", "bvh_wide_exact", "embree_single", "embree_packet8",
-                           "embree_packet16", "embree_stream", "cgal_aabb", "cgal_aabb_epick", "pcl_octree"})
+  for (const char* name :
+       {"brute", "brute_fast", "kd_tree", "kd_tree_fast", "bsp_tree", "bsp_tree_fast", "bvh", "bvh_fast",
+        "bvh_wide", "bvh_wide_compact", "bvh_wide_exact", "embree_single", "embree_packet8",
+        "embree_packet16", "embree_stream", "cgal_aabb", "cgal_aabb_epick", "pcl_octree"})
     EXPECT_TRUE(names.contains(name)) << name;
 }
 

@@ -1,0 +1,12 @@
+#include "bench/ray/wide_index.hpp"
+
+namespace treeline::bench::ray {
+
+std::unique_ptr<Index> build_wide_16_4(const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) {
+  return build_wide<geometry::Watertight, accel::WideOf<16, 4>>(mesh, knobs, threads);
+}
+std::unique_ptr<Index> build_wide_16_8(const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) {
+  return build_wide<geometry::Watertight, accel::WideOf<16, 8>>(mesh, knobs, threads);
+}
+
+}  // namespace treeline::bench::ray

@@ -1,0 +1,17 @@
+// Our wide bounding volume hierarchy with exact leaves.
+#include "bench/ray/wide_index.hpp"
+
+namespace treeline::bench::ray {
+namespace {
+
+[[maybe_unused]] const bool registered =
+    Registry<Method>::instance().add({.info = {.name = "bvh_wide_exact",
+                                               .family = "bvh",
+                                               .claim = Claim::exact,
+                                               .build_knobs = {Knobs{{"builder", "binned"}}},
+                                               .query_knobs = wide_batches(),
+                                               .ladder = 12},
+                                      .build = build_wide<geometry::Exact, accel::Wide>});
+
+}  // namespace
+}  // namespace treeline::bench::ray
