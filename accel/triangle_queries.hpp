@@ -144,19 +144,34 @@ class TriangleQueries {
     return query;
   }
   template <class W>
-  ClosestPoint<Scalar> nearest(const Point& point, Scalar max_distance, W& work) const {
+  ClosestQuery<Scalar> approached(const Point& point, Scalar max_distance, W& work) const {
     ClosestQuery<Scalar> query(point, max_distance, centre_);
     if (size() > 0) tree().approach(query, work);
-    return query.best();
+    return query;
   }
+  template <class W>
+  ClosestPoint<Scalar> nearest(const Point& point, Scalar max_distance, W& work) const {
+    return approached(point, max_distance, work).best();
+  }
+  /// Within rounding of the triangle that is nearest: of its own coordinates and the point's, so that what
+  /// lies far away does not blur the surface here.
+  template <class W>
+  bool on_surface(const Point& point, W& work) const {
+    constexpr Scalar slack = geometry::tolerance::on_surface<Scalar>;
+    const Scalar furthest = std::max(largest(bounds_.low), largest(bounds_.high));
+    const auto query = approached(point, slack * furthest, work);
+    if (query.stored() == nullptr) return false;
+    const geometry::Triangle<Scalar>& t = query.stored()->triangle;
+    const Scalar near = slack * std::max({largest(point), largest(t.a), largest(t.b), largest(t.c)});
+    return query.best().distance2 <= near * near;
+  }
+  static Scalar largest(const Point& p) { return std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}); }
+
   bool inside(const Point& given) const {
     const Point point = scale_.scaled(given);
     if (!bounds_.contains(point)) return false;
     NoWork work;
-    Scalar largest = 0;
-    for (int k = 0; k < 3; ++k)
-      largest = std::max({largest, std::abs(bounds_.low[k]), std::abs(bounds_.high[k])});
-    if (nearest(point, geometry::tolerance::on_surface<Scalar> * largest, work)) return true;
+    if (on_surface(point, work)) return true;
     return votes_inside(point, [&](const Ray& ray) { return cast<false>(ray, work); });
   }
 

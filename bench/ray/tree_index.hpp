@@ -108,6 +108,7 @@ bool register_tree(MethodInfo info) {
   fast.name += "_fast";
   fast.claim = Claim::approximate;
   fast.build_knobs.resize(1);
+  fast.scales = false;                                            // as the other does
   fast.largest_n = std::min(fast.largest_n, fast.sweep_up_to_n);  // where builds are dear, one is enough
   return add(std::move(info), geometry::Watertight{}) && add(std::move(fast), geometry::MollerTrumbore{});
 }
