@@ -29,6 +29,8 @@ class ClosestQuery {
   const Point& point() const { return point_; }
   T slack() const { return slack_; }
   const ClosestPoint<T>& best() const { return best_; }
+  /// The triangle that is nearest, as the tree keeps it; null if none.
+  const StoredTriangle<T>* stored() const { return best_ ? &stored_ : nullptr; }
   /// Whether triangles at least this far (squared) are of no interest.
   bool prunes(T bound2) const { return bound2 > limit_; }
 
@@ -43,6 +45,7 @@ class ClosestQuery {
           (found.distance2 == best_.distance2 && candidate.id >= best_.primitive))
         continue;
       best_ = {found.distance2, candidate.id, static_cast<Feature>(found.feature), found.point};
+      stored_ = candidate;
       limit_ = enlarged(found.distance2);
     }
   }
@@ -55,6 +58,7 @@ class ClosestQuery {
   Point point_;
   T max_distance2_, limit_, slack_;
   ClosestPoint<T> best_;
+  StoredTriangle<T> stored_;
 };
 
 }  // namespace treeline::accel

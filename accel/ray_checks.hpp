@@ -25,11 +25,15 @@ void check_ray(const geometry::Ray<T>& ray) {
   if (const char* what = fault_of(ray)) throw InvalidInput(std::string("ray ") + what);
 }
 
+inline void check_room(std::size_t queries, std::size_t answers) {
+  if (queries != answers)
+    throw InvalidInput(std::to_string(queries) + " queries, but room for " + std::to_string(answers) +
+                       " answers");
+}
+
 template <class T>
 void check_rays(std::span<const geometry::Ray<T>> rays, std::size_t answers) {
-  if (rays.size() != answers)
-    throw InvalidInput(std::to_string(rays.size()) + " queries, but room for " + std::to_string(answers) +
-                       " answers");
+  check_room(rays.size(), answers);
   for (std::size_t i = 0; i < rays.size(); ++i)
     if (const char* what = fault_of(rays[i])) throw InvalidInput("ray " + std::to_string(i) + " " + what);
 }

@@ -6,8 +6,10 @@
 // float.
 #pragma once
 
+#include <span>
 #include <vector>
 
+#include "accel/bvh/build_tasks.hpp"
 #include "accel/triangle_set.hpp"
 
 namespace treeline::accel {
@@ -18,6 +20,20 @@ class TriangleLeaves {
   TriangleLeaves() = default;
   explicit TriangleLeaves(std::size_t references)
       : coordinates_(9 * references + overrun), ids_(references) {}
+
+  /// Those of a tree whose leaves name items: `references` from a node's link, as many as its count.
+  template <class Nodes>
+  TriangleLeaves(const std::vector<StoredTriangle<T>>& items, const Nodes& nodes,
+                 std::span<const std::uint32_t> references, int threads)
+      : TriangleLeaves(references.size()) {
+    const BuildTasks tasks(threads);
+    tasks.run([&] {
+      tasks.pieces(nodes.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+          if (nodes[i].leaf()) put(nodes[i].link, items, references.subspan(nodes[i].link, nodes[i].count));
+      });
+    });
+  }
 
   /// Fills the leaf that begins at reference `first` with the items of the given numbers.
   template <class Numbers>

@@ -10,6 +10,7 @@
 #include "accel/batch.hpp"
 #include "accel/closest_query.hpp"
 #include "accel/concepts.hpp"
+#include "accel/ray_checks.hpp"
 #include "accel/ray_query.hpp"
 #include "accel/triangle_set.hpp"
 #include "accel/volume.hpp"
@@ -30,7 +31,7 @@ class TriangleQueries {
   }
   template <WorkCounter W>
   Hit<Scalar> closest_hit(const Ray& ray, W& work) const {
-    check(ray, {});
+    check(ray);
     return answer<false>(ray, work);
   }
   void closest_hit(std::span<const Ray> rays, std::span<Hit<Scalar>> hits, int threads) const {
@@ -47,7 +48,7 @@ class TriangleQueries {
   }
   template <WorkCounter W>
   bool any_hit(const Ray& ray, W& work) const {
-    check(ray, {});
+    check(ray);
     return static_cast<bool>(answer<true>(ray, work));
   }
   void any_hit(std::span<const Ray> rays, std::span<std::uint8_t> any, int threads) const {
@@ -65,7 +66,7 @@ class TriangleQueries {
   template <WorkCounter W>
   ClosestPoint<Scalar> closest_point(const Point& query, Scalar max_distance, W& work) const {
     check(max_distance);
-    check(query, {});
+    check(query);
     return answer(query, max_distance, work);
   }
   void closest_point(std::span<const Point> queries, Scalar max_distance, std::span<ClosestPoint<Scalar>> out,
@@ -79,7 +80,7 @@ class TriangleQueries {
   }
 
   bool contains(const Point& query) const {
-    check(query, {});
+    check(query);
     return inside(query);
   }
   void contains(std::span<const Point> queries, std::span<std::uint8_t> out, int threads) const {
@@ -143,47 +144,48 @@ class TriangleQueries {
     return query;
   }
   template <class W>
-  ClosestPoint<Scalar> nearest(const Point& point, Scalar max_distance, W& work) const {
+  ClosestQuery<Scalar> approached(const Point& point, Scalar max_distance, W& work) const {
     ClosestQuery<Scalar> query(point, max_distance, centre_);
     if (size() > 0) tree().approach(query, work);
-    return query.best();
+    return query;
   }
+  template <class W>
+  ClosestPoint<Scalar> nearest(const Point& point, Scalar max_distance, W& work) const {
+    return approached(point, max_distance, work).best();
+  }
+  /// Within rounding of the triangle that is nearest: of its own coordinates and the point's, so that what
+  /// lies far away does not blur the surface here.
+  template <class W>
+  bool on_surface(const Point& point, W& work) const {
+    constexpr Scalar slack = geometry::tolerance::on_surface<Scalar>;
+    const Scalar furthest = std::max(largest(bounds_.low), largest(bounds_.high));
+    const auto query = approached(point, slack * furthest, work);
+    if (query.stored() == nullptr) return false;
+    const geometry::Triangle<Scalar>& t = query.stored()->triangle;
+    const Scalar near = slack * std::max({largest(point), largest(t.a), largest(t.b), largest(t.c)});
+    return query.best().distance2 <= near * near;
+  }
+  static Scalar largest(const Point& p) { return std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}); }
+
   bool inside(const Point& given) const {
     const Point point = scale_.scaled(given);
     if (!bounds_.contains(point)) return false;
     NoWork work;
-    Scalar largest = 0;
-    for (int k = 0; k < 3; ++k)
-      largest = std::max({largest, std::abs(bounds_.low[k]), std::abs(bounds_.high[k])});
-    if (nearest(point, geometry::tolerance::on_surface<Scalar> * largest, work)) return true;
+    if (on_surface(point, work)) return true;
     return votes_inside(point, [&](const Ray& ray) { return cast<false>(ray, work); });
   }
 
-  // Checks name what is wrong and, in batches, the index of the first offender, before anything is answered.
-  static const char* fault(const Ray& ray) {
-    if (std::isnan(ray.t_min) || std::isnan(ray.t_max)) return "has a NaN in [t_min, t_max]";
-    if (!is_finite(ray.origin)) return "has an origin that is not finite";
-    if (!is_finite(ray.direction)) return "has a direction that is not finite";
-    if (ray.direction == Point{}) return "has a zero direction";
-    return nullptr;
-  }
-  static const char* fault(const Point& query) {
-    return is_finite(query) ? nullptr : "has a coordinate that is not finite";
-  }
-  static const char* name(const Ray&) { return "ray "; }
-  static const char* name(const Point&) { return "query "; }
+  static void check(const Ray& ray) { check_ray(ray); }
+  static void check(std::span<const Ray> rays, std::size_t answers) { check_rays(rays, answers); }
 
-  template <class Query>
-  static void check(const Query& query, const std::string& index) requires(!std::is_arithmetic_v<Query>) {
-    if (const char* what = fault(query)) throw InvalidInput(name(query) + index + what);
+  static void check(const Point& query) {
+    if (!is_finite(query)) throw InvalidInput("query has a coordinate that is not finite");
   }
-  template <class Query>
-  static void check(std::span<const Query> queries, std::size_t answers) {
-    if (queries.size() != answers)
-      throw InvalidInput(std::to_string(queries.size()) + " queries, but room for " +
-                         std::to_string(answers) + " answers");
+  static void check(std::span<const Point> queries, std::size_t answers) {
+    check_room(queries.size(), answers);
     for (std::size_t i = 0; i < queries.size(); ++i)
-      if (fault(queries[i])) check(queries[i], std::to_string(i) + " ");
+      if (!is_finite(queries[i]))
+        throw InvalidInput("query " + std::to_string(i) + " has a coordinate that is not finite");
   }
   static void check(Scalar max_distance) {
     if (!(max_distance >= Scalar(0)))

@@ -4,9 +4,9 @@
 // inside; a ray that meets nothing started outside. A hit near an edge or at grazing incidence could be told
 // from the wrong one of two faces, so it has no vote; rays in fixed directions are cast until one answer
 // leads by two votes or the directions run out, and the majority holds. Points within rounding of the surface
-// count as inside. Cost: one closest-point query of tiny radius and, as a rule, two rays. Known weakness:
-// with a ray test that is not watertight a ray may slip out between two faces; it takes two such rays to be
-// wrong. For open meshes the answer means nothing in particular.
+// count as inside, by the coordinates of the nearest triangle. Cost: one closest-point query of tiny radius
+// and, as a rule, two rays. Known weakness: with a ray test that is not watertight a ray may slip out between
+// two faces; it takes two such rays to be wrong. For open meshes the answer means nothing in particular.
 #pragma once
 
 #include <array>

@@ -8,9 +8,9 @@
 // is referenced only where a part of it is. The builder works relative to the centre of most triangles: far
 // from the origin planes stay as exact as the triangles. Planes are judged as they are stored, rounded.
 //
-// Depth and references are bounded as in a KD tree (kd_tree/build_triangles.hpp). Cost: O(n log n). Known
-// weakness: planes through triangles peel a convex surface one by one; where that would leave a side too
-// large for the depth that remains, they are a last resort.
+// Depth and references are bounded as in a KD tree (kd_tree/build_triangles.hpp), and large subtrees are
+// built apart as there. Cost: O(n log n). Known weakness: planes through triangles peel a convex surface one
+// by one; where that would leave a side too large for the depth that remains, they are a last resort.
 #pragma once
 
 #include <array>
@@ -32,6 +32,7 @@ struct BspTriangleOptions : BuildOptions {
   double empty_bonus = 0.2;   ///< share of the cost taken off where one side is empty
   double step_cost = 5;       ///< of a node with an axis plane, in triangle tests, eight at a time
   double oblique_cost = 7.5;  ///< of a node with any other plane
+  int threads = 1;            ///< that build; the tree does not depend on it
 };
 
 /// Inner: what is on the negative side of the plane is in the next node, what is on the positive side in node
@@ -55,7 +56,11 @@ template <class T>
 class BspTriangleBuilder {
  public:
   BspTriangleBuilder(const TriangleSet<T>& set, const BspTriangleOptions& options)
-      : set_(set), options_(options), depth_limit_(kd_depth_limit(set.items.size())) {
+      : set_(set),
+        options_(options),
+        depth_limit_(kd_depth_limit(set.items.size())),
+        tasks_(options.threads) {
+    check_threads(options.threads);
     if (!(options.max_references >= 1)) throw InvalidInput("max_references must be at least 1");
     if (options.sample < 1 || options.axis_planes < 0 || options.oblique_planes < 0)
       throw InvalidInput("sample must be positive; axis_planes and oblique_planes must not be negative");
@@ -73,20 +78,20 @@ class BspTriangleBuilder {
         for (int k = 0; k < 3; ++k) reach = std::max(reach, std::abs(p[k]));
       all.add({static_cast<std::uint32_t>(i), 0, 0, reach}, corners, 3);
     }
-    build(std::move(all), Polytope({in_units(set.bounds.low), in_units(set.bounds.high)}), 1, 0,
-          options.max_references * static_cast<double>(n));
-    nodes.shrink_to_fit();
+    tasks_.run([&] {
+      build(std::move(all), Polytope({in_units(set.bounds.low), in_units(set.bounds.high)}), 1, 0,
+            options.max_references * static_cast<double>(n));
+    });
+    tree.nodes.shrink_to_fit();
+    tree.references.shrink_to_fit();
   }
 
-  std::vector<BspTriangleNode<T>> nodes;
-  std::vector<std::uint32_t> references;  // indices into the set's items
-  std::size_t leaves = 0, oblique_nodes = 0, depth = 0, largest_leaf = 0;
-  double cost = 0;
+  using Node = BspTriangleNode<T>;
+  TriangleBranch<Node> tree;
 
  private:
   using Vec3d = geometry::Vec3d;
   using Plane = geometry::Plane3d;
-  using Node = BspTriangleNode<T>;
   // Of computed corners; what is left of a flat wall when its plane is rounded. See tolerances.hpp.
   static constexpr double on_axis_plane = 2 * geometry::tolerance::clip_slack;
   static constexpr double on_plane = double(geometry::tolerance::on_plane<T>);
@@ -104,6 +109,14 @@ class BspTriangleBuilder {
     Fragments fragments;
     Polytope cell;
   };
+
+  /// For a subtree.
+  explicit BspTriangleBuilder(const BspTriangleBuilder* whole)
+      : set_(whole->set_),
+        options_(whole->options_),
+        depth_limit_(whole->depth_limit_),
+        tasks_(whole->tasks_),
+        unit_(whole->unit_) {}
 
   // In units of a power of two near half the widest extent, so that nothing overflows.
   double in_units(T x, int axis) const {
@@ -125,26 +138,39 @@ class BspTriangleBuilder {
       return add_leaf(all, share, level);
     Fragments().items.swap(all.items), Fragments().corners.swap(all.corners);
 
-    const std::size_t here = nodes.size();
-    nodes.emplace_back();
-    nodes[here].normal = geometry::Vec<T, 3>(split.plane.normal);
-    nodes[here].kind = split.kind;
-    oblique_nodes += split.kind == Node::oblique;
-    cost += share;
+    const std::size_t here = tree.nodes.size();
+    tree.nodes.emplace_back();
+    tree.nodes[here].normal = geometry::Vec<T, 3>(split.plane.normal);
+    tree.nodes[here].kind = split.kind;
+    tree.oblique_nodes += split.kind == Node::oblique;
+    tree.cost += share;
     const double below = static_cast<double>(parts[0].size()), above = static_cast<double>(parts[1].size());
     const double below_budget = budget * (below / (below + above));
     auto cells = cell.cut(split.plane);
-    const auto part_of_share = [&](int side) { return share * std::min(1.0, split.area[side] / whole); };
-    T reach =
-        build(std::move(parts[0]), std::exchange(cells[0], {}), part_of_share(0), level + 1, below_budget);
-    nodes[here].link = static_cast<std::uint32_t>(nodes.size());
-    reach = std::max(reach, build(std::move(parts[1]), std::exchange(cells[1], {}), part_of_share(1),
-                                  level + 1, budget - below_budget));
+    T reach_of_side[2];
+    const auto build_side = [&](BspTriangleBuilder& into, int side) {
+      const double part_of_share = share * std::min(1.0, split.area[side] / whole);
+      reach_of_side[side] = into.build(std::move(parts[side]), std::exchange(cells[side], {}), part_of_share,
+                                       level + 1, side == 0 ? below_budget : budget - below_budget);
+    };
+    if (n >= BuildTasks::worth_a_task) {
+      BspTriangleBuilder side[2] = {BspTriangleBuilder(this), BspTriangleBuilder(this)};
+      tasks_.both(
+          n, [&] { build_side(side[0], 0); }, [&] { build_side(side[1], 1); });
+      tree.append(std::move(side[0].tree));
+      tree.nodes[here].link = static_cast<std::uint32_t>(tree.nodes.size());
+      tree.append(std::move(side[1].tree));
+    } else {
+      build_side(*this, 0);
+      tree.nodes[here].link = static_cast<std::uint32_t>(tree.nodes.size());
+      build_side(*this, 1);
+    }
+    const T reach = std::max(reach_of_side[0], reach_of_side[1]);
     const T slack = split.kind == Node::oblique
                         ? geometry::tolerance::oblique_slack<T> / geometry::tolerance::stored_slack<T>
                         : T(2);  // corners of fragments are computed, too
     const Widened<T> border(split.offset, split.offset, slack * reach);
-    nodes[here].border[0] = border.high, nodes[here].border[1] = border.low;
+    tree.nodes[here].border[0] = border.high, tree.nodes[here].border[1] = border.low;
     return reach;
   }
 
@@ -165,20 +191,20 @@ class BspTriangleBuilder {
   }
 
   T add_leaf(const Fragments& all, double share, std::size_t level) {
-    if (references.size() + all.size() > 0xffffffffu)
+    if (tree.references.size() + all.size() > 0xffffffffu)
       throw InvalidInput("more than 2^32 references; lower max_references");
-    Node& leaf = nodes.emplace_back();
-    leaf.link = static_cast<std::uint32_t>(references.size());
+    Node& leaf = tree.nodes.emplace_back();
+    leaf.link = static_cast<std::uint32_t>(tree.references.size());
     leaf.count = static_cast<std::uint32_t>(all.size());
     T reach = 0;
     for (const Fragment& f : all.items) {
-      references.push_back(f.triangle);
+      tree.references.push_back(f.triangle);
       reach = std::max(reach, reach_of(set_.centre, set_.items[f.triangle].triangle.box()));
     }
-    ++leaves;
-    depth = std::max(depth, level);
-    largest_leaf = std::max(largest_leaf, all.size());
-    cost += share * static_cast<double>(all.size());
+    ++tree.leaves;
+    tree.depth = std::max(tree.depth, level);
+    tree.largest_leaf = std::max(tree.largest_leaf, all.size());
+    tree.cost += share * static_cast<double>(all.size());
     return reach;
   }
 
@@ -312,6 +338,7 @@ class BspTriangleBuilder {
   const TriangleSet<T>& set_;
   BspTriangleOptions options_;
   std::size_t depth_limit_;
+  BuildTasks tasks_;
   double unit_ = 1;
   std::vector<Fragment> sample_;  // of the node being split, and their boxes
   std::vector<geometry::Box3d> boxes_;

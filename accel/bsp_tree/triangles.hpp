@@ -53,19 +53,16 @@ class BspTree<Triangles<T, RayTest>>
 template <class T, class RayTest>
 BspTree<Triangles<T, RayTest>>::BspTree(TriangleSet<T>&& set, const Options& options) : Base(set) {
   BspTriangleBuilder<T> built(set, options);
-  nodes_ = std::move(built.nodes);
-  triangles_ = TriangleLeaves<T>(built.references.size());
-  for (const Node& node : nodes_)
-    if (node.leaf())
-      triangles_.put(node.link, set.items, std::span(built.references).subspan(node.link, node.count));
+  nodes_ = std::move(built.tree.nodes);
+  triangles_ = TriangleLeaves<T>(set.items, nodes_, built.tree.references, options.threads);
   TreeStats& s = this->stats_;
   s.references = triangles_.size();
-  s.leaves = built.leaves;
-  s.inner_nodes = nodes_.size() - built.leaves;
-  s.oblique_nodes = built.oblique_nodes;
-  s.depth = built.depth;
-  s.largest_leaf = built.largest_leaf;
-  s.sah_cost = built.cost;
+  s.leaves = built.tree.leaves;
+  s.inner_nodes = nodes_.size() - built.tree.leaves;
+  s.oblique_nodes = built.tree.oblique_nodes;
+  s.depth = built.tree.depth;
+  s.largest_leaf = built.tree.largest_leaf;
+  s.sah_cost = built.tree.cost;
   s.bytes = sizeof(*this) + nodes_.capacity() * sizeof(Node) + triangles_.bytes();
 }
 

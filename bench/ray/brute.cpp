@@ -6,8 +6,8 @@
 namespace treeline::bench::ray {
 namespace {
 
-const bool registered =
-    register_tree<accel::BruteForce>({.name = "brute", .family = "brute", .ladder = 0, .largest_n = 5'000});
+const bool registered = register_tree<accel::BruteForce>(
+    {.name = "brute", .family = "brute", .ladder = 0, .largest_n = 5'000, .scales = false});
 
 }  // namespace
 }  // namespace treeline::bench::ray

@@ -98,7 +98,8 @@ bool register_embree_packet() {
                 .build_knobs = embree_packet_builds(),
                 .query_knobs = {Knobs{{"coherent", true}}, Knobs{{"coherent", false}}},
                 .ladder = 41,
-                .quick_builds = 1},
+                .quick_builds = 1,
+                .scales = false},  // as single rays do
        .build = [](const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) -> std::unique_ptr<Index> {
          return std::make_unique<EmbreePacket<N>>(mesh, knobs, threads);
        }});

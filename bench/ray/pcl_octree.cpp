@@ -146,7 +146,8 @@ const bool registered = Registry<Method>::instance().add(
               .build_knobs = {{{"triangles", 4}}, {{"triangles", 1}}, {{"triangles", 16}}},
               .ladder = 60,
               .quick_builds = 1,
-              .largest_n = 200'000},
+              .largest_n = 200'000,
+              .scales = false},
      .build = [](const geometry::Mesh3f& mesh, const Knobs& knobs, int) -> std::unique_ptr<Index> {
        return std::make_unique<PclOctree>(mesh, knobs);
      }});

@@ -28,10 +28,24 @@ std::size_t rays_per_set(std::size_t n, Profile profile) {
   return 0;
 }
 
+constexpr std::size_t scaling_factor = 8;  // so many times the rays where threads share them
+
 /// Where vertices move, too: each build of a method is made anew for each frame, so not everywhere.
 bool moves(const std::string& dataset, std::size_t n, Profile profile) {
   if (profile == Profile::smoke) return dataset == "icosphere";
   return n > 50'000 && n < 200'000 && (profile == Profile::full || dataset == "icosphere");
+}
+
+/// For thread scaling: rays that keep together and rays that go anywhere, batches of tens of milliseconds,
+/// against which waking a thread is nothing.
+void ask_by_threads(std::vector<RaySet>& sets) {
+  std::vector<RaySet> kept;
+  for (RaySet& set : sets)
+    if (set.name == "camera" || set.name == "random" || set.name == "shadow") {
+      set.name += "_threads", set.truth = kept.size();
+      kept.push_back(std::move(set));
+    }
+  sets = std::move(kept);
 }
 
 /// Rays a set that are judged: as many as brute force answers in a second or two.
@@ -109,12 +123,22 @@ std::vector<BlockSpec> RayTask::hard_blocks() const {
   return blocks;
 }
 
+std::vector<BlockSpec> RayTask::scaling_blocks(Profile profile) const {
+  if (profile == Profile::smoke) return {{"icosphere", 1'000}};
+  if (profile == Profile::quick) return {{"icosphere", 300'000}};
+  return {{"icosphere", 1'000'000}, {"architecture", 1'000'000}, {"forest", 1'000'000}};
+}
+
 std::unique_ptr<Block> RayTask::open(const BlockSpec& spec, const RunContext& context) const {
   if (spec.hard) return open_hard(spec.dataset, context, version(), methods_);
-  return open(datasets::generate(spec.dataset, spec.n, context.seed), context);
+  return open(datasets::generate(spec.dataset, spec.n, context.seed), context, spec.scaling);
 }
 
 std::unique_ptr<Block> RayTask::open(Dataset dataset, const RunContext& context) const {
+  return open(std::move(dataset), context, false);
+}
+
+std::unique_ptr<Block> RayTask::open(Dataset dataset, const RunContext& context, bool scaling) const {
   if (dataset.kind != datasets::Kind::mesh)
     throw std::invalid_argument("'" + dataset.name +
                                 "' is a point cloud; the task ray needs a mesh of triangles");
@@ -123,9 +147,12 @@ std::unique_ptr<Block> RayTask::open(Dataset dataset, const RunContext& context)
                                 "' has no triangles; the task ray needs a mesh of triangles");
   BlockInput input;
   input.dataset_hash = dataset.hash();
-  const std::size_t n = dataset.mesh.size(), count = rays_per_set(n, context.profile);
+  const std::size_t n = dataset.mesh.size();
+  const std::size_t count = rays_per_set(n, context.profile) * (scaling ? scaling_factor : 1);
   input.sets = make_ray_sets(dataset.mesh, count, context.seed, context.threads);
-  if (moves(dataset.name, n, context.profile)) {
+  if (scaling) {
+    ask_by_threads(input.sets);
+  } else if (moves(dataset.name, n, context.profile)) {
     const std::vector<std::size_t> frames = moving_frames(context.profile != Profile::full);
     for (const std::size_t frame : frames) input.moved.push_back(twisted(dataset.mesh, frame));
     add_moving_sets(input.sets, input.moved, frames, count, context.seed);

@@ -47,6 +47,7 @@ class RayTask final : public Task {
   std::vector<std::pair<std::string, std::string>> not_built() const override;
   std::vector<BlockSpec> blocks(Profile) const override;
   std::vector<BlockSpec> hard_blocks() const override;
+  std::vector<BlockSpec> scaling_blocks(Profile) const override;
   datasets::Kind dataset_kind() const override { return datasets::Kind::mesh; }
   std::unique_ptr<Block> open(const BlockSpec&, const RunContext&) const override;
   std::unique_ptr<Block> open(datasets::Dataset, const RunContext&) const override;
@@ -56,6 +57,8 @@ class RayTask final : public Task {
   const std::vector<Method>& registered() const { return methods_; }
 
  private:
+  std::unique_ptr<Block> open(datasets::Dataset, const RunContext&, bool scaling) const;
+
   std::vector<Method> methods_;
   std::vector<MethodInfo> infos_;
 };

@@ -83,11 +83,12 @@ class TreeIndex : public Index {
 
 /// Builds Tree<Triangles<float, Test>> with the leaf size that the knobs name.
 template <template <class> class Tree, class Test, std::size_t node_bytes>
-std::unique_ptr<Index> build_tree(const geometry::Mesh3f& mesh, const Knobs& knobs, int /*threads*/) {
+std::unique_ptr<Index> build_tree(const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) {
   using T = Tree<accel::Triangles<float, Test>>;
   typename T::Options options;
   // A user's mesh may hold a broken triangle; dropping it keeps the rest usable.
   options.non_finite = accel::NonFinite::drop;
+  if constexpr (requires { options.threads; }) options.threads = threads;
   if (knobs.contains("leaf_size")) options.leaf_size = knobs.at("leaf_size").get<int>();
   return std::make_unique<TreeIndex<T>>(T(mesh, options), node_bytes);
 }
@@ -110,6 +111,7 @@ bool register_tree(MethodInfo info) {
   fast.name += "_fast";
   fast.claim = Claim::approximate;
   fast.build_knobs.resize(1);
+  fast.scales = false;                                            // as the other does
   fast.largest_n = std::min(fast.largest_n, fast.sweep_up_to_n);  // where builds are dear, one is enough
   return add(std::move(info), geometry::Watertight{}) && add(std::move(fast), geometry::MollerTrumbore{});
 }

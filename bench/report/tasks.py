@@ -66,7 +66,9 @@ TASKS = {
          ("grazing", "the closest hit of rays almost in a triangle's plane, where t slides"),
          ("edge", "the closest hit of rays aimed at edges and vertices, where leaks show"),
          ("frame…_refit, frame…_rebuilt",
-          "the closest hit after the vertices have moved, on an index that was refitted, or built anew"))),
+          "the closest hit after the vertices have moved, on an index that was refitted, or built anew"),
+         ("camera_threads, random_threads, shadow_threads",
+          "the same as those without _threads, many more rays, for thread scaling"))),
 }  # fmt: skip
 
 

@@ -135,5 +135,17 @@ TYPED_TEST(TriangleClosest, ContainsWhatAHollowBoxContains) {
       }
 }
 
+TYPED_TEST(TriangleClosest, ContainsIsNotBlurredByWhatLiesFarAway) {
+  using T = typename TypeParam::Scalar;
+  Mesh<T> mesh = sphere<T>(3);
+  const T far = std::is_same_v<T, float> ? T(1e6) : T(1e14);
+  add_box<T>(mesh, {{far, far, far}, {far * 2, far * 2, far * 2}});
+  const TypeParam tree(mesh);
+  for (std::size_t i = 0; i < mesh.vertices.size() - 8; i += 5) {
+    EXPECT_TRUE(tree.contains(mesh.vertices[i])) << "corner " << i;
+    EXPECT_FALSE(tree.contains(mesh.vertices[i] * T(1.001))) << "above corner " << i;
+  }
+}
+
 }  // namespace
 }  // namespace treeline::accel::test

@@ -118,6 +118,48 @@ TYPED_TEST(TriangleShape, BatchesEqualSingleQueriesOnAnyNumberOfThreads) {
   }
 }
 
+template <class Tree>
+class TriangleBuildThreads : public testing::Test {};
+using SharedBuilds = testing::Types<KdTree<Triangles<float>>, KdTree<Triangles<double>>,
+                                    BspTree<Triangles<float>>, BspTree<Triangles<double>>>;
+TYPED_TEST_SUITE(TriangleBuildThreads, SharedBuilds);
+
+TYPED_TEST(TriangleBuildThreads, TheTreeDoesNotDependOnThem) {
+  using T = typename TypeParam::Scalar;
+  auto triangles = soup<T>(20'000, T(0.02), 103);  // several subtrees' worth
+  // Many events of one place, whose order a sort is free to choose.
+  for (std::size_t i = 0; i < triangles.size(); i += 2)
+    triangles[i].a[2] = triangles[i].b[2] = triangles[i].c[2] = std::round(triangles[i].a[2] * 8) / 8;
+  typename TypeParam::Options options;
+  const TypeParam alone(triangles, options);
+  Pcg32 random(104);
+  for (const int threads : {2, 5}) {
+    options.threads = threads;
+    const TypeParam shared(triangles, options);
+    const TreeStats a = alone.stats(), b = shared.stats();
+    EXPECT_EQ(a.references, b.references);
+    EXPECT_EQ(a.inner_nodes, b.inner_nodes);
+    EXPECT_EQ(a.oblique_nodes, b.oblique_nodes);
+    EXPECT_EQ(a.leaves, b.leaves);
+    EXPECT_EQ(a.depth, b.depth);
+    EXPECT_EQ(a.largest_leaf, b.largest_leaf);
+    EXPECT_EQ(a.sah_cost, b.sah_cost);
+    EXPECT_EQ(a.bytes, b.bytes);
+    const auto cells = alone.slice(2, 0.125), same_cells = shared.slice(2, 0.125);
+    ASSERT_EQ(cells.size(), same_cells.size());
+    for (std::size_t i = 0; i < cells.size(); ++i) ASSERT_EQ(cells[i].outline, same_cells[i].outline);
+    for (int i = 0; i < 1000; ++i) {
+      const Ray<T> ray{in_cube(random, T(2)), in_cube(random, T(1))};
+      Work work, same_work;
+      ASSERT_TRUE(alone.closest_hit(ray, work) == shared.closest_hit(ray, same_work));
+      ASSERT_EQ(work.nodes, same_work.nodes);
+      ASSERT_EQ(work.primitives, same_work.primitives);
+    }
+  }
+  options.threads = 0;
+  EXPECT_THROW(TypeParam(triangles, options), InvalidInput);
+}
+
 TYPED_TEST(TriangleShape, StatsAreConsistent) {
   using T = typename TypeParam::Scalar;
   const Mesh<T> mesh = sphere<T>(4);
