@@ -38,5 +38,7 @@ esac
 ensure_packages
 ensure_python
 build_preset "$preset"
+# The readers' fuzz targets, by clang; without it the test `fuzz` is skipped.
+if command -v clang++ >/dev/null; then build_preset fuzz fuzz_all; fi
 cd "$root/build/$preset" || exit 2
 exec ctest --output-on-failure --no-tests=error -j "$(nproc)" ${arguments[@]+"${arguments[@]}"}

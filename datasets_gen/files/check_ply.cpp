@@ -225,20 +225,8 @@ void check_meaning(const Input& in, const Header& h) {
   if (axes != 0x111) in.fail("header", "the vertices need the properties x, y and z, each once");
 }
 
-/// Whether a file's faces are what OpenMesh reads right: other properties beside the list of corners, and
-/// indices of other types, it may take for corners, or skip by the wrong width.
-bool is_plain(const Header& h) {
-  for (const Element& e : h.elements)
-    for (const Property& p : e.properties) {
-      if (e.name == "vertex" && p.count) return false;
-      if (e.name == "face" &&
-          (!is_corner_list(e, p) || *p.count != Type::u8 || size_of(p.type) != 4 || p.type == Type::f32))
-        return false;
-    }
-  return true;
-}
-
-/// The same vertices and faces with nothing else, as binary PLY.
+/// The same vertices and faces with nothing else, as binary PLY: all that OpenMesh gets to see. Other
+/// properties of faces it would take for corners or skip by the wrong width; a line of CR and LF, for data.
 class Plain {
  public:
   void vertex(const float (&x)[3]) { append(vertices_, x, sizeof x), ++vertex_count_; }
@@ -270,9 +258,8 @@ Checked check_ply(const Input& in) {
   const Header h = read_header(in);
   check_meaning(in, h);
   Checked r;
-  r.binary = h.binary, r.is_mesh = false;
+  r.binary = true, r.is_mesh = false;
   Values values(in, h);
-  const bool rewrite = !is_plain(h);
   Plain plain;
   std::vector<std::int32_t> face;
   for (const Element& e : h.elements) {
@@ -304,12 +291,12 @@ Checked check_ply(const Input& in) {
       }
       values.end();
       if (has_doubles && e.name == "vertex") r.doubles.push_back(exact);
-      if (rewrite && e.name == "vertex") plain.vertex(point);
-      if (rewrite && e.name == "face") plain.face(face);
+      if (e.name == "vertex") plain.vertex(point);
+      if (e.name == "face") plain.face(face);
     }
   }
   values.finish();
-  if (rewrite) r.text = plain.text(), r.binary = true;
+  r.text = plain.text();
   return r;
 }
 

@@ -1,7 +1,7 @@
 // STL: triangles with corners of their own, as text ("solid …") or binary (80 bytes, a count, 50 bytes a
 // triangle). OpenMesh merges equal corners and leaves out triangles whose corners coincide: those are counted
 // here. It merges by order of coordinates, which NaN has none of, so coordinates that are not finite are
-// refused.
+// refused. Text is rewritten as binary, which is all that OpenMesh gets to see.
 #include <bit>
 #include <cstring>
 
@@ -43,7 +43,9 @@ Checked check_binary(const Input& in) {
 
 Checked check_text(const Input& in) {
   Checked r;
-  r.compare_bits = false;
+  r.binary = true, r.compare_bits = false;
+  r.text.assign(84, '\0');
+  std::uint32_t triangles = 0;
   Lines lines(in.bytes);
   std::string_view line;
   std::vector<std::string_view> w;
@@ -87,7 +89,10 @@ Checked check_text(const Input& in) {
     need({"endloop"});
     need({"endfacet"});
     count(corners, r);
+    r.text.append(12, '\0').append(reinterpret_cast<const char*>(&corners), sizeof corners).append(2, '\0');
+    ++triangles;
   }
+  std::memcpy(r.text.data() + 80, &triangles, sizeof triangles);
   return r;
 }
 

@@ -30,7 +30,11 @@ Input load(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   if (error || !stream) in.fail("", "cannot be opened for reading");
   if (size == 0) in.fail("", "the file is empty");
-  in.bytes.resize(size);
+  try {
+    in.bytes.resize(size);
+  } catch (const std::exception&) {
+    in.fail("", "has " + std::to_string(size) + " bytes, more than there is memory for");
+  }
   if (!stream.read(in.bytes.data(), static_cast<std::streamsize>(size)))
     in.fail("byte " + std::to_string(stream.gcount()), "reading stops here");
   return in;
@@ -45,6 +49,22 @@ void take_mark_off(Input& in, const std::string& extension) {
     return;
   in.bytes.erase(0, byte_order_mark.size());
   in.marked = true;
+}
+
+/// What a file is that has another name than its content deserves.
+void refuse_disguised(const Input& in) {
+  static constexpr std::pair<std::string_view, const char*> starts[] = {
+      {"\xFF\xFE", "is text in UTF-16; save it as UTF-8"},
+      {"\xFE\xFF", "is text in UTF-16; save it as UTF-8"},
+      {"\x1F\x8B", "is compressed by gzip; unpack it first"},
+      {"PK\x03\x04", "is a zip archive; unpack it first"},
+      {"\xFD"
+       "7zXZ",
+       "is compressed by xz; unpack it first"},
+      {"BZh", "is compressed by bzip2; unpack it first"},
+      {"\x28\xB5\x2F\xFD", "is compressed by zstd; unpack it first"}};
+  for (const auto& [start, problem] : starts)
+    if (in.bytes.starts_with(start)) in.fail("byte 0", problem);
 }
 
 struct Loaded {
@@ -131,8 +151,15 @@ Dataset read(const std::filesystem::path& path) {
   if (!extension.empty()) extension.erase(0, 1);
   std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
   files::take_mark_off(in, extension);
+  // A binary STL may start with anything; 80 bytes of it are a comment.
+  if (extension != "stl") files::refuse_disguised(in);
 
-  files::Loaded loaded = files::load_by(in, extension);
+  files::Loaded loaded;
+  try {
+    loaded = files::load_by(in, extension);
+  } catch (const std::bad_alloc&) {
+    in.fail("", "there is not enough memory to read it");
+  }
   files::Raw& raw = loaded.raw;
   if (raw.points.empty()) in.fail("", "holds no points");
   if (raw.points.size() > 0xfffffffeu || raw.faces.size() > 0xffffffffu / 3)

@@ -1,132 +1,18 @@
 // glTF 2 (.gltf, .glb) through assimp; all meshes of the scene, in place.
 //
-// Checked first, because assimp trusts them: the chunks of a .glb against the file's size, and every accessor
-// against its buffer, so that a header cannot make it allocate more than the file holds.
+// Checked first (check_gltf.cpp), because assimp trusts much of it; what it then read is counted.
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <bit>
-#include <cstring>
-#include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "datasets_gen/files/input.hpp"
+#include "datasets_gen/files/check_gltf.hpp"
 
 namespace treeline::datasets::files {
 namespace {
-
-using Json = nlohmann::json;
-
-std::uint32_t word_at(const std::string& bytes, std::size_t at) {
-  std::uint32_t w = 0;
-  std::memcpy(&w, bytes.data() + at, 4);
-  return w;
-}
-
-/// The JSON text of the file.
-std::string_view json_of(const Input& in) {
-  if (!in.bytes.starts_with("glTF")) return in.bytes;
-  const auto fail = [&](std::size_t byte, const std::string& problem) {
-    in.fail("byte " + std::to_string(byte), problem);
-  };
-  if (in.bytes.size() < 20) fail(in.bytes.size(), "the file ends within the header of a .glb");
-  if (word_at(in.bytes, 4) != 2)
-    fail(4, "glTF version " + std::to_string(word_at(in.bytes, 4)) + "; only 2 is read");
-  if (word_at(in.bytes, 8) != in.bytes.size())
-    fail(8, "promises " + std::to_string(word_at(in.bytes, 8)) + " bytes, and the file has " +
-                std::to_string(in.bytes.size()));
-  std::string_view json;
-  for (std::size_t at = 12; at < in.bytes.size();) {
-    if (in.bytes.size() - at < 8) fail(at, "the file ends within the header of a chunk");
-    const std::size_t length = word_at(in.bytes, at);
-    if (length > in.bytes.size() - at - 8)
-      fail(at, "a chunk of " + std::to_string(length) + " bytes runs past the end");
-    if (at == 12 && word_at(in.bytes, at + 4) != 0x4e4f534a) fail(at + 4, "the first chunk is not JSON");
-    if (at == 12) json = std::string_view(in.bytes).substr(at + 8, length);
-    at += 8 + length;
-  }
-  return json;
-}
-
-std::uint64_t at_or(const Json& object, const char* key, std::uint64_t otherwise) {
-  const auto it = object.find(key);
-  return it != object.end() && it->is_number_unsigned() ? it->get<std::uint64_t>() : otherwise;
-}
-
-/// Buffers in other files must lie in the folder of this one, or below it.
-void check_buffer_files(const Input& in, const Json& root) {
-  const auto buffers = root.find("buffers");
-  if (buffers == root.end() || !buffers->is_array()) return;
-  for (std::size_t i = 0; i < buffers->size(); ++i) {
-    const std::string uri = (*buffers)[i].value("uri", "");
-    if (uri.starts_with("data:")) continue;
-    std::string name;
-    for (std::size_t k = 0; k < uri.size(); ++k) {
-      unsigned char code = 0;
-      const char* digits = uri.data() + k + 1;
-      if (uri[k] == '%' && k + 2 < uri.size() &&
-          std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2)
-        name += static_cast<char>(code), k += 2;
-      else
-        name += uri[k] == '\\' ? '/' : uri[k];
-    }
-    std::ranges::replace(name, '\\', '/');
-    const auto path = std::filesystem::path(name).lexically_normal();
-    const bool drive_or_scheme = name.substr(0, name.find('/')).find(':') != std::string::npos;
-    if (path.is_absolute() || drive_or_scheme || (!path.empty() && *path.begin() == ".."))
-      in.fail("buffer " + std::to_string(i), "is kept outside the folder of the file: " + in_quotes(uri));
-  }
-}
-
-void check_accessors(const Input& in, const Json& root) {
-  const auto list = [&](const char* key) -> const Json& {
-    static const Json none = Json::array();
-    const auto it = root.find(key);
-    return it != root.end() && it->is_array() ? *it : none;
-  };
-  const Json &accessors = list("accessors"), &views = list("bufferViews"), &buffers = list("buffers");
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const std::uint64_t buffer = at_or(views[i], "buffer", buffers.size());
-    const auto fail = [&](const char* problem) { in.fail("bufferView " + std::to_string(i), problem); };
-    if (buffer >= buffers.size()) fail("names a buffer that is not there");
-    const std::uint64_t offset = at_or(views[i], "byteOffset", 0), length = at_or(views[i], "byteLength", 0);
-    const std::uint64_t whole = at_or(buffers[buffer], "byteLength", 0);
-    if (length > whole || offset > whole - length) fail("runs past the end of its buffer");
-  }
-  for (std::size_t i = 0; i < buffers.size(); ++i)
-    if (!buffers[i].contains("uri") && at_or(buffers[i], "byteLength", 0) > in.bytes.size())
-      in.fail("buffer " + std::to_string(i), "is longer than the file");
-  for (std::size_t i = 0; i < accessors.size(); ++i) {
-    const Json& a = accessors[i];
-    const auto fail = [&](const std::string& problem) { in.fail("accessor " + std::to_string(i), problem); };
-    const std::uint64_t count = at_or(a, "count", 0);
-    if (!a.contains("bufferView")) {
-      if (count > in.bytes.size())
-        fail(std::to_string(count) + " elements of zero, more than the file has bytes");
-      continue;
-    }
-    const std::uint64_t view = at_or(a, "bufferView", views.size());
-    if (view >= views.size()) fail("names a bufferView that is not there");
-    static constexpr std::pair<std::uint64_t, std::uint64_t> sizes[] = {{5120, 1}, {5121, 1}, {5122, 2},
-                                                                        {5123, 2}, {5125, 4}, {5126, 4}};
-    static constexpr std::pair<std::string_view, std::uint64_t> widths[] = {
-        {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};
-    std::uint64_t size = 0;
-    for (const auto& [code, bytes] : sizes)
-      if (code == at_or(a, "componentType", 0)) size = bytes;
-    std::uint64_t width = 0;
-    for (const auto& [name, components] : widths)
-      if (a.value("type", "") == name) width = components;
-    if (size * width == 0) fail("has no known type");
-    const std::uint64_t stride = std::max(at_or(views[view], "byteStride", 0), size * width);
-    const std::uint64_t offset = at_or(a, "byteOffset", 0), length = at_or(views[view], "byteLength", 0);
-    if (count > 0 && (count > length / stride + 1 || offset > length ||
-                      (count - 1) * stride + size * width > length - offset))
-      fail(std::to_string(count) + " elements run past the end of its bufferView");
-  }
-}
 
 /// glTF splits vertices where normals or texture coordinates jump; one position becomes one vertex again, so
 /// that closed surfaces are found closed. Faces keep their order.
@@ -185,9 +71,8 @@ void check_triangles(const Input& in, const Json& root, const aiScene& scene) {
 Raw read_assimp(const Input& in) {
   Json root;
   try {
-    root = Json::parse(json_of(in));
-    check_buffer_files(in, root);
-    check_accessors(in, root);
+    root = Json::parse(check_gltf_chunks(in));
+    check_gltf(in, root);
   } catch (const Json::exception& e) {
     in.fail("", std::string("its JSON is broken: ") + e.what());
   }

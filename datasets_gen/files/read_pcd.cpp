@@ -38,6 +38,28 @@ Header read_header(const Input& in) {
   in.fail_line(lines.number(), "the file ends within the header, before DATA");
 }
 
+/// Bytes that LZF data (Lehmann 2000) unpack to, or nothing where they are broken: a copy from before the
+/// start, or instructions that go on behind the end, where PCL would read on.
+std::optional<std::uint64_t> unpacked_size(std::string_view packed) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(packed[i]); };
+  std::uint64_t size = 0;
+  for (std::size_t at = 0; at < packed.size();) {
+    const unsigned control = byte(at++);
+    if (control < 32) {  // so many bytes, and one, as they are
+      if (packed.size() - at < control + 1) return std::nullopt;
+      at += control + 1, size += control + 1;
+      continue;
+    }
+    unsigned length = control >> 5;
+    if (packed.size() - at < (length == 7 ? 2u : 1u)) return std::nullopt;
+    if (length == 7) length += byte(at++);
+    const unsigned back = ((control & 31) << 8 | byte(at++)) + 1;
+    if (back > size) return std::nullopt;
+    size += length + 2;
+  }
+  return size;
+}
+
 }  // namespace
 
 Raw read_pcd(const Input& in) {
@@ -121,6 +143,11 @@ Raw read_pcd(const Input& in) {
       in.fail("byte " + std::to_string(h.body + 4), "unpacks to " + std::to_string(unpacked) +
                                                         " bytes, and " + std::to_string(n) + " points take " +
                                                         std::to_string(n * point_bytes));
+    const auto size = unpacked_size(body.substr(8, packed));
+    if (size != unpacked)
+      in.fail("byte " + std::to_string(h.body + 8), size ? "its data unpack to " + std::to_string(*size) +
+                                                               " bytes instead of " + std::to_string(unpacked)
+                                                         : "its packed data are broken");
   } else {
     in.fail_line(h.line, "unknown kind of data " + in_quotes(data));
   }
