@@ -2,7 +2,8 @@
 
 The same rules as bench/core/advice.hpp and page/advice.js: a cost is the sum over the query sets, and an error is held
 against the tolerance or the truth's own floor, whichever is larger. At a tolerance not above the floor, methods whose
-claim promises nothing about other queries, or only a bound by epsilon, are not advised. A test holds this file and the page to one answer.
+claim promises nothing about other queries, or only a bound by epsilon, are not advised. A test holds this file and the
+page to one answer.
 """
 
 from dataclasses import dataclass

@@ -2,7 +2,8 @@
 as static SVG and PNG, which carry their own.
 
 A point's fields: i (row), method, x, lo, hi (ns per query), y (pixel, from layout.py), front, promise (its claim holds
-for other queries, too), slot, n, note (why a lane without any is empty), build (ns per element), bytes and own (per element: with the input that must stay, and without).
+for other queries, too), slot, n, note (why a lane without any is empty), build (ns per element), bytes and own (per
+element: with the input that must stay, and without).
 """
 
 import altair as alt

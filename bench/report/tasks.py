@@ -20,7 +20,9 @@ TASKS = {
         "Which points lie nearest to a query, within a radius of it, or inside a box?",
         "point", "query", "mean relative error",
         "The relative excess of a distance found over the true one, the worst of the k; a neighbour that is missing or "
-        "does not exist counts 1. For radius and box: the share of points missing or surplus.",
+        "does not exist counts 1. For radius and box: the share of points missing or surplus. A cloud that single precision "
+        "cannot hold (georeferenced) is asked and judged in doubles: methods called …_rounded make floats of it, at once "
+        "(origin file) or less the middle of the cloud (origin middle).",
         (("knn1_self, knn8_self, knn32_self, knn100_self",
           "the 1, 8, 32 or 100 nearest of a point of the cloud, itself included, in random order"),
          ("knn8_sorted", "the queries of knn8_self, each near the one before"),
