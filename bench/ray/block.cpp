@@ -96,6 +96,9 @@ RayBlock::RayBlock(BlockInput input, const std::vector<Method>& methods)
 }
 
 std::unique_ptr<Subject> RayBlock::build(std::size_t m, const Knobs& build_knobs, int threads) {
+  if (threads > 1)
+    for (const Method& method : methods_)
+      if (method.allow_threads) method.allow_threads(threads);
   return std::make_unique<RaySubject>(methods_[m], build_knobs, threads, frames_, input_.sets);
 }
 

@@ -1,10 +1,9 @@
 // What the Embree methods share: one device and one committed scene a build, and the rules its manual asks
 // for.
 //
-// Embree 3 and 4 differ here only in the context argument, hidden in Query below.
+// Embree 3 and 4 differ here only in the context argument, hidden in EmbreeCall below.
 // - frequency_level=simd256: on Skylake-class servers the default is simd128 (4-wide nodes), which is slower;
-// on
-//   others simd256 is the default already, and without AVX2 the setting is left away.
+// on others simd256 is the default already, and without AVX2 the setting is left away.
 // - FTZ and DAZ are set in the calling threads while they cast rays, and put back afterwards.
 // - quality=refit is Embree's own for geometry that moves: a scene marked as dynamic, in which a commit after
 // new
@@ -20,6 +19,7 @@
 #include <xmmintrin.h>
 
 #include <cstring>
+#include <map>
 #include <string>
 
 #include "bench/core/registry.hpp"
@@ -39,16 +39,34 @@ class FlushDenormals {
   unsigned saved_;
 };
 
+inline std::string embree_config(int threads) {
+  std::string config = "threads=" + std::to_string(threads) + ",set_affinity=0";
+  if (__builtin_cpu_supports("avx2")) config += ",frequency_level=simd256";
+  return config;
+}
+
+/// Keeps a device alive for each number of threads, so that Embree's thread pool is not counted and timed
+/// anew with every scene that comes after none. Embree limits TBB, and so everyone in the process, to the
+/// largest number that a living device asked for: a run on more threads has to tell it before anything is
+/// built.
+inline void keep_embree_threads(int threads) {
+  static std::map<int, RTCDevice> kept;
+  RTCDevice& device = kept[threads];
+  if (!device) device = rtcNewDevice(embree_config(threads).c_str());
+}
+
+inline void to_embree(const geometry::Rayf& r, RTCRay& ray) {
+  ray.org_x = r.origin[0], ray.org_y = r.origin[1], ray.org_z = r.origin[2], ray.tnear = r.t_min;
+  ray.dir_x = r.direction[0], ray.dir_y = r.direction[1], ray.dir_z = r.direction[2], ray.time = 0;
+  ray.tfar = r.t_max, ray.mask = ~0u, ray.id = 0, ray.flags = 0;
+}
+
 class EmbreeScene {
  public:
   /// Knobs: quality (low, medium, high, refit), robust and compact (true, false).
   EmbreeScene(const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) {
-    std::string config = "threads=" + std::to_string(threads) + ",set_affinity=0";
-    if (__builtin_cpu_supports("avx2")) config += ",frequency_level=simd256";
-    // One device lives as long as the program, so that Embree's thread pool is not counted and timed anew
-    // with every scene that comes after none.
-    [[maybe_unused]] static const RTCDevice kept = rtcNewDevice(config.c_str());
-    device_ = rtcNewDevice(config.c_str());
+    keep_embree_threads(threads);
+    device_ = rtcNewDevice(embree_config(threads).c_str());
     if (!device_) throw std::runtime_error("Embree gave no device");
     scene_ = rtcNewScene(device_);
     const auto quality = knobs.at("quality").get<std::string>();
@@ -171,5 +189,25 @@ inline std::vector<Knobs> embree_packet_builds() {
 }
 
 inline std::string embree_version() { return RTC_VERSION_STRING; }
+
+/// A method that hands over many rays a call, and says whether they keep together. Claim: as
+/// embree_single.cpp says.
+template <class BatchIndex>
+bool register_embree_batch(std::string name, int ladder, bool scales) {
+  return Registry<Method>::instance().add(
+      {.info = {.name = std::move(name),
+                .family = "bvh",
+                .source = Source::peer,
+                .claim = Claim::approximate,
+                .peer_version = embree_version(),
+                .build_knobs = embree_packet_builds(),
+                .query_knobs = {Knobs{{"coherent", true}}, Knobs{{"coherent", false}}},
+                .ladder = ladder,
+                .quick_builds = 1,
+                .scales = scales},
+       .build = [](const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) -> std::unique_ptr<Index> {
+         return std::make_unique<BatchIndex>(mesh, knobs, threads);
+       }});
+}
 
 }  // namespace treeline::bench::ray

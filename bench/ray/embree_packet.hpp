@@ -89,20 +89,8 @@ class EmbreePacket final : public Index {
 
 template <int N>
 bool register_embree_packet() {
-  return Registry<Method>::instance().add(
-      {.info = {.name = "embree_packet" + std::to_string(N),
-                .family = "bvh",
-                .source = Source::peer,
-                .claim = Claim::approximate,  // as embree_single.cpp says
-                .peer_version = embree_version(),
-                .build_knobs = embree_packet_builds(),
-                .query_knobs = {Knobs{{"coherent", true}}, Knobs{{"coherent", false}}},
-                .ladder = 41,
-                .quick_builds = 1,
-                .scales = false},  // as single rays do
-       .build = [](const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) -> std::unique_ptr<Index> {
-         return std::make_unique<EmbreePacket<N>>(mesh, knobs, threads);
-       }});
+  // By threads as single rays do.
+  return register_embree_batch<EmbreePacket<N>>("embree_packet" + std::to_string(N), 41, false);
 }
 
 }  // namespace treeline::bench::ray

@@ -11,14 +11,6 @@ namespace {
 
 using geometry::Rayf;
 
-RTCRay to_embree(const Rayf& r) {
-  RTCRay ray;
-  ray.org_x = r.origin[0], ray.org_y = r.origin[1], ray.org_z = r.origin[2], ray.tnear = r.t_min;
-  ray.dir_x = r.direction[0], ray.dir_y = r.direction[1], ray.dir_z = r.direction[2], ray.time = 0;
-  ray.tfar = r.t_max, ray.mask = ~0u, ray.id = 0, ray.flags = 0;
-  return ray;
-}
-
 class EmbreeSingle final : public Index {
  public:
   EmbreeSingle(const geometry::Mesh3f& mesh, const Knobs& knobs, int threads)
@@ -31,7 +23,7 @@ class EmbreeSingle final : public Index {
       EmbreeCall call(false);
       for (std::size_t i = begin; i < end; ++i) {
         RTCRayHit query;
-        query.ray = to_embree(rays[i]);
+        to_embree(rays[i], query.ray);
         query.hit.geomID = query.hit.primID = RTC_INVALID_GEOMETRY_ID;
         call(scene_.scene(), query);
         out[i] = {};
@@ -46,7 +38,8 @@ class EmbreeSingle final : public Index {
       const FlushDenormals flush;
       EmbreeCall call(false);
       for (std::size_t i = begin; i < end; ++i) {
-        RTCRay query = to_embree(rays[i]);
+        RTCRay query;
+        to_embree(rays[i], query);
         call(scene_.scene(), query);
         out[i] = query.tfar < 0;  // Embree's mark of an occluded ray is -infinity
       }
@@ -70,7 +63,8 @@ const bool registered = Registry<Method>::instance().add(
               .quick_builds = 4},
      .build = [](const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) -> std::unique_ptr<Index> {
        return std::make_unique<EmbreeSingle>(mesh, knobs, threads);
-     }});
+     },
+     .allow_threads = keep_embree_threads});
 
 }  // namespace
 }  // namespace treeline::bench::ray

@@ -11,12 +11,6 @@ namespace {
 
 constexpr std::size_t stream_rays = 256;  // a call; the manual speaks of thousands, measured no better
 
-void to_embree(const geometry::Rayf& r, RTCRay& ray) {
-  ray.org_x = r.origin[0], ray.org_y = r.origin[1], ray.org_z = r.origin[2], ray.tnear = r.t_min;
-  ray.dir_x = r.direction[0], ray.dir_y = r.direction[1], ray.dir_z = r.direction[2], ray.time = 0;
-  ray.tfar = r.t_max, ray.mask = ~0u, ray.id = 0, ray.flags = 0;
-}
-
 class EmbreeStream final : public Index {
  public:
   EmbreeStream(const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) : scene_(mesh, knobs, threads) {
@@ -66,19 +60,7 @@ class EmbreeStream final : public Index {
   EmbreeScene scene_;
 };
 
-const bool registered = Registry<Method>::instance().add(
-    {.info = {.name = "embree_stream",
-              .family = "bvh",
-              .source = Source::peer,
-              .claim = Claim::approximate,  // as embree_single.cpp says
-              .peer_version = embree_version(),
-              .build_knobs = embree_packet_builds(),
-              .query_knobs = {Knobs{{"coherent", true}}, Knobs{{"coherent", false}}},
-              .ladder = 42,
-              .quick_builds = 1},
-     .build = [](const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) -> std::unique_ptr<Index> {
-       return std::make_unique<EmbreeStream>(mesh, knobs, threads);
-     }});
+const bool registered = register_embree_batch<EmbreeStream>("embree_stream", 42, true);
 
 }  // namespace
 }  // namespace treeline::bench::ray

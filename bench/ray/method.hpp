@@ -46,6 +46,8 @@ class Index {
 struct Method {
   MethodInfo info;
   std::function<std::unique_ptr<Index>(const geometry::Mesh3f&, const Knobs& build_knobs, int threads)> build;
+  /// Lifts a limit on the process's threads that the method's library sets; called before anything is built.
+  std::function<void(int threads)> allow_threads = {};
 };
 
 }  // namespace treeline::bench::ray

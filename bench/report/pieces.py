@@ -143,16 +143,23 @@ def _cell(cell):
             f"{cell.letter}<small>{esc(cell.error)}</small></td>")  # fmt: skip
 
 
+# What a heading says of a kind of pictures; those made of panels side by side take a row each.
+KINDS = {"work": "work: nodes and triangles that rays visit", "slice": "slices through the cells of trees",
+         "disagreement": "where answers differ from the truth", "leaks": "leaks at edges and vertices"}  # fmt: skip
+PANELS = ("work", "leaks")
+
+
 def gallery(pictures):
     """Figures by kind."""
     parts = []
     for kind in dict.fromkeys(p.kind for p in pictures):
         figures = "".join(
-            f'<figure><img src="{p.uri}" alt="{esc(p.title)}" loading="lazy"><figcaption><b>{esc(p.title)}</b> '
+            f'<figure{" class=panels" if kind in PANELS else ""}><img src="{p.uri}" alt="{esc(p.title)}" loading="lazy">'
+            f'<figcaption><b>{esc(p.title)}</b> '
             f'<small>{esc(", ".join(filter(None, (p.dataset, p.method))))}</small>'
             f'{"<br>" + esc(p.caption) if p.caption else ""}</figcaption></figure>'
             for p in pictures if p.kind == kind)  # fmt: skip
-        parts.append(f"<h4>{esc(kind.replace('_', ' '))}</h4><div class=gallery>{figures}</div>")
+        parts.append(f"<h4>{esc(KINDS.get(kind, kind.replace('_', ' ')))}</h4><div class=gallery>{figures}</div>")
     return "".join(parts)
 
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -106,6 +107,26 @@ TEST(RayTask, AsksAllThatItSays) {
     EXPECT_EQ(names, (std::set<std::string>{"camera", "camera_shuffled", "camera_any", "diffuse", "bounce2",
                                             "random", "shadow", "axis", "grazing", "edge"}));
     for (const auto& advised : task.advise_on()) EXPECT_TRUE(names.contains(advised));
+  }
+}
+
+TEST(RayTask, ThreadsShareMoreOfTheSameRays) {
+  const RayTask task;
+  ASSERT_FALSE(task.scaling_blocks(Profile::smoke).empty());
+  for (BlockSpec spec : task.scaling_blocks(Profile::smoke)) {
+    const auto fewer = task.open(spec, smoke_context());
+    spec.scaling = true;
+    const auto block = task.open(spec, smoke_context());
+    std::set<std::string> names;
+    for (const auto& set : block->query_sets()) {
+      names.insert(set.name);
+      const auto of_one =
+          std::ranges::find(fewer->query_sets(), set.name.substr(0, set.name.find('_')), &QuerySet::name);
+      ASSERT_NE(of_one, fewer->query_sets().end()) << set.name;
+      EXPECT_GT(set.size, 4 * of_one->size);
+    }
+    EXPECT_EQ(names, (std::set<std::string>{"camera_threads", "random_threads", "shadow_threads"}));
+    expect_claims_kept(task, *block);  // each set is judged by a truth of its own
   }
 }
 
