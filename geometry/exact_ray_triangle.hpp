@@ -195,10 +195,14 @@ class ExactRay {
     const double q = n.value / d.value;
     const double rest = (std::fma(-q, d.value, n.value) + n.error - q * d.error) / d.value;
     t = static_cast<float>(q);
-    const double half =
-        0.5 * (double(t) +
-               double(std::nextafter(t, static_cast<float>(q + rest > double(t) ? infinity : -infinity))));
-    if (q == half && rest != 0) t = static_cast<float>(std::nextafter(q, rest > 0 ? infinity : -infinity));
+    const float next = std::nextafter(t, static_cast<float>(q + rest > double(t) ? infinity : -infinity));
+    const double half = 0.5 * (double(t) + double(next));
+    if (q == half) {  // on which side of it, exactly: the rest has no more than twice double's digits
+      Expansion h;
+      h.add(half);
+      const int past = (above - below * h).sign() * below.sign();
+      if (past != 0) t = static_cast<float>(std::nextafter(q, past > 0 ? infinity : -infinity));
+    }
     return true;
   }
   static constexpr double infinity = std::numeric_limits<double>::infinity();
