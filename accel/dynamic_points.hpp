@@ -1,15 +1,16 @@
-// Points that come and go: a forest of static trees, whose parts are rebuilt.
+// Points that come and go: a forest of static trees, whose parts are rebuilt, and a few points in no tree.
 //
-// The logarithmic method (Bentley and Saxe 1980): trees of sizes that double; what is inserted merges with
-// all trees that are no larger and becomes one new tree, so that each point is rebuilt O(log n) times.
-// Removed points are marked, skipped in answers, and dropped when their tree is next rebuilt, at the latest
-// when a quarter of it is gone. Queries ask every tree and merge; the answers are those of one tree over the
-// points that are there.
+// The logarithmic method (Bentley and Saxe 1980): what comes waits in a block of loose points; a full block
+// becomes a tree, together with all trees that are no larger (or `growth` times as large), so that each point
+// is rebuilt O(log n) times. Removed points are marked, skipped in answers, and dropped when their tree is
+// next rebuilt, at the latest when half of it is gone. Queries ask every tree, the largest first and the
+// others only as far as what has been found, and the loose points, and merge; the answers are those of one
+// tree over the points that are there, to the bit (where squared distances neither vanish nor overflow in a
+// cloud of parts of very different size).
 //
 // Cost: insertion O(log n) rebuilds a point, amortised; a query visits every tree, at most log2(n / block) +
-// 1, but all after the largest only as far as what it has found already. Known weakness: queries are slower
-// than on one tree (rebuild() makes it one), and a search among many removed points asks for more than it
-// returns. Not safe to change while it is queried.
+// 1 of them. Known weakness: queries are slower than on one tree (rebuild() makes it one), and a search among
+// many removed points asks for more than it returns. Not safe to change while it is queried.
 #pragma once
 
 #include <algorithm>
@@ -20,14 +21,19 @@
 
 #include "accel/batch.hpp"
 #include "accel/concepts.hpp"
+#include "accel/loose_points.hpp"
+#include "accel/point_checks.hpp"
 #include "accel/point_set.hpp"
 
 namespace treeline::accel {
 
 struct DynamicOptions {
-  /// Trees smaller than this are merged with the next insertion. Points that come one by one pay for it (at
-  /// 256 three times as much as at 64), queries hardly gain by it.
-  std::size_t block = 64;
+  /// So many points wait in no tree, and every query looks at them all.
+  std::size_t block = 128;
+  /// At least 1: a new tree takes in those up to so many times as large. More leave fewer and larger trees:
+  /// faster queries, slower insertions (at 1e5 points, one at a time: 4 instead of 1 halves the time of a
+  /// query and takes 1.6 times as long to insert and remove).
+  double growth = 4;
 };
 
 template <NeighborIndex Tree>
@@ -37,11 +43,10 @@ class DynamicPoints {
   using Point = typename Tree::Point;
   using Box = typename Tree::Box;
   using Found = Neighbor<Scalar>;
+  static constexpr int dimension = Point::dimension;
 
-  explicit DynamicPoints(typename Tree::Options tree_options = {}, DynamicOptions options = {})
-      : tree_options_(tree_options), options_(options) {
-    if (options.block == 0) throw InvalidInput("block is 0; it must be at least 1");
-  }
+  /// Throws InvalidInput for options that its trees or it refuse.
+  explicit DynamicPoints(typename Tree::Options tree_options = {}, DynamicOptions options = {});
 
   /// Adds points; returns the id of the first, the others follow. Ids are never used twice.
   /// Throws InvalidInput, and adds none, for a point that is not finite, or if the ids run out.
@@ -55,11 +60,53 @@ class DynamicPoints {
   std::size_t tree_count() const { return parts_.size(); }
   std::size_t bytes() const;
 
-  // See NeighborIndex; answers and refusals are the same.
-  std::size_t nearest(const Point& q, std::size_t k, std::span<Found> out) const;
-  void within(const Point& q, Scalar radius, std::vector<Found>& out) const;
-  void inside(const Box& box, std::vector<Id>& out) const;
-  void nearest(std::span<const Point> queries, std::size_t k, std::span<Found> out, int threads = 1) const;
+  // ---- queries: see NeighborIndex; answers and refusals are the same ----------------------------------
+  // max_leaves counts for each tree.
+
+  std::size_t nearest(const Point& q, std::size_t k, std::span<Found> out) const {
+    return nearest(q, k, NearestOptions<Scalar>{}, out);
+  }
+  template <WorkCounter W>
+  std::size_t nearest(const Point& q, std::size_t k, std::span<Found> out, W& work) const {
+    return nearest(q, k, NearestOptions<Scalar>{}, out, work);
+  }
+  std::size_t nearest(const Point& q, std::size_t k, const NearestOptions<Scalar>& options,
+                      std::span<Found> out) const {
+    NoWork work;
+    return nearest(q, k, options, out, work);
+  }
+  template <WorkCounter W>
+  std::size_t nearest(const Point& q, std::size_t k, const NearestOptions<Scalar>& options,
+                      std::span<Found> out, W& work) const;
+  void within(const Point& q, Scalar radius, std::vector<Found>& out) const {
+    NoWork work;
+    within(q, radius, out, work);
+  }
+  template <WorkCounter W>
+  void within(const Point& q, Scalar radius, std::vector<Found>& out, W& work) const;
+  void within(const Point& q, Scalar radius, const WithinOptions& options, std::vector<Found>& out) const {
+    NoWork work;
+    within(q, radius, options, out, work);
+  }
+  template <WorkCounter W>
+  void within(const Point& q, Scalar radius, const WithinOptions& options, std::vector<Found>& out,
+              W& work) const;
+  void within_squared(const Point& q, Scalar radius2, std::vector<Found>& out) const;
+  std::size_t count_within(const Point& q, Scalar radius) const;
+  void inside(const Box& box, std::vector<Id>& out) const {
+    NoWork work;
+    inside(box, out, work);
+  }
+  template <WorkCounter W>
+  void inside(const Box& box, std::vector<Id>& out, W& work) const;
+
+  void nearest(std::span<const Point> queries, std::size_t k, std::span<Found> out, int threads = 1) const {
+    nearest(queries, k, NearestOptions<Scalar>{}, out, threads);
+  }
+  void nearest(std::span<const Point> queries, std::size_t k, const NearestOptions<Scalar>& options,
+               std::span<Found> out, int threads = 1) const;
+  void within(std::span<const Point> queries, Scalar radius, Lists<Found>& out, int threads = 1) const;
+  void inside(std::span<const Box> boxes, Lists<Id>& out, int threads = 1) const;
 
  private:
   struct Part {
@@ -67,21 +114,33 @@ class DynamicPoints {
     std::vector<Id> ids;  // ascending, so that ties by a tree's own numbers are ties by id
     std::unique_ptr<Tree> tree;
     std::size_t dead = 0;
-  };
-  static constexpr std::uint32_t nowhere = 0xffffffffu;
 
+    bool holds(Id id) const {
+      if (id < ids.front() || id > ids.back()) return false;
+      const bool all = ids.back() - ids.front() + std::size_t{1} == ids.size();
+      return all || std::binary_search(ids.begin(), ids.end(), id);
+    }
+  };
+
+  using Checks = PointChecks<Scalar, dimension>;
   using Square = typename SquareType<Scalar>::Type;
   using Listed = std::vector<std::pair<Id, Point>>;  // ascending by id
+  /// Where the scalar's squared distance has lost digits, ranked by one that has not.
   struct Ranked {
-    Square distance2;  // where the scalar's overflows or vanishes, that in a wider type
+    Square distance2;
     Found found;
     bool operator<(const Ranked& o) const {
       return distance2 < o.distance2 || (distance2 == o.distance2 && found.id < o.found.id);
     }
   };
+  template <class Item>
+  struct Gathered {
+    std::vector<Item> best, more, merged;
+  };
   struct Scratch {
-    std::vector<Ranked> best, more, merged;
-    std::vector<Found> found;
+    Gathered<Found> plain;
+    Gathered<Ranked> ranked;
+    std::vector<Found> told;
   };
 
   /// Whether a squared distance has all its digits: trees scale their points to keep them in range, but
@@ -90,16 +149,32 @@ class DynamicPoints {
     using Limits = std::numeric_limits<Scalar>;
     return distance2 <= Limits::max() && distance2 >= Limits::min() / Limits::epsilon();
   }
+  static Square square(Scalar distance2, const Point& p, const Point& q);
+  static Scalar told_distance2(Scalar distance2, const Point& p, const Point& q);
+  static bool reaches(Scalar radius, Scalar distance2, const Point& p, const Point& q);
+  static const Found& found(const Found& f) { return f; }
+  static const Found& found(const Ranked& r) { return r.found; }
 
   void merge_alive(const Part& part, Listed& points) const;
+  void merge_loose(Listed& points) const;
   Part built(const Listed& points) const;
   void add(Part part);
-  void find_nearest(const Point& q, std::size_t k, Scratch& s) const;
-  void nearest_of(const Part& part, const Point& q, std::size_t k, Scratch& s) const;
+
+  bool is_there(const Part& part, Id local) const { return part.dead == 0 || there_[part.ids[local]]; }
+  template <class W, class F>
+  void each_within(const Point& q, Scalar radius, W& work, F&& f) const;
+  std::size_t asked_of(const Part& part, std::size_t k) const;
+  template <class Item, class W>
+  bool gather(const Point& q, std::size_t k, const NearestOptions<Scalar>& options,
+              std::span<const Found> first, Scratch& s, Gathered<Item>& g, W& work) const;
+  template <class W>
+  std::size_t find_nearest(const Point& q, const NearestOptions<Scalar>& options,
+                           std::span<const Found> first, std::span<Found> out, Scratch& s, W& work) const;
 
   typename Tree::Options tree_options_;
   DynamicOptions options_;
   std::vector<Part> parts_;  // largest first
+  LoosePoints<Scalar, dimension> loose_;
   std::vector<bool> there_;  // by id
   std::size_t alive_ = 0;
 };
@@ -107,23 +182,40 @@ class DynamicPoints {
 // ---- change --------------------------------------------------------------------------------------------
 
 template <NeighborIndex Tree>
+DynamicPoints<Tree>::DynamicPoints(typename Tree::Options tree_options, DynamicOptions options)
+    : tree_options_(tree_options), options_(options) {
+  if (options.block == 0) throw InvalidInput("block is 0; it must be at least 1");
+  if (!(options.growth >= 1) || std::isinf(options.growth))
+    throw InvalidInput("growth is " + std::to_string(options.growth) + "; it must be finite and at least 1");
+  static_cast<void>(Tree(std::span<const Point>(), tree_options));  // refuses what it must now, not later
+}
+
+template <NeighborIndex Tree>
 Id DynamicPoints<Tree>::insert(std::span<const Point> points) {
   if (points.size() >= no_id - there_.size())
     throw InvalidInput(std::to_string(points.size()) + " points more than ids are left for");
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (!geometry::is_finite(points[i]))
-      throw InvalidInput("point " + std::to_string(i) + " has a coordinate that is not finite");
+  for (std::size_t i = 0; i < points.size(); ++i) Checks::check_query(points[i], "point", i);
   const Id first = static_cast<Id>(there_.size());
+  if (loose_.size() + points.size() < options_.block) {
+    there_.resize(there_.size() + points.size(), true);
+    for (std::size_t i = 0; i < points.size(); ++i) loose_.add(first + static_cast<Id>(i), points[i]);
+    alive_ += points.size();
+    return first;
+  }
   Listed merged;
+  merged.reserve(loose_.size() + points.size());
+  merge_loose(merged);
   for (std::size_t i = 0; i < points.size(); ++i) merged.emplace_back(first + static_cast<Id>(i), points[i]);
-  if (merged.empty()) return first;
   std::size_t kept = parts_.size();
-  while (kept > 0 &&
-         (parts_[kept - 1].ids.size() <= merged.size() || parts_[kept - 1].ids.size() < options_.block))
+  while (kept > 0 && static_cast<double>(parts_[kept - 1].ids.size()) <=
+                         options_.growth * static_cast<double>(merged.size())) {
     merge_alive(parts_[--kept], merged);
+  }
+  there_.reserve(there_.size() + points.size());
   Part part = built(merged);  // what may throw comes before anything changes
   there_.resize(there_.size() + points.size(), true), alive_ += points.size();
   parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(kept), parts_.end());
+  loose_.clear();
   add(std::move(part));
   return first;
 }
@@ -132,10 +224,11 @@ template <NeighborIndex Tree>
 bool DynamicPoints<Tree>::erase(Id id) {
   if (id >= there_.size() || !there_[id]) return false;
   there_[id] = false, --alive_;
+  if (loose_.erase(id)) return true;
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     Part& part = parts_[p];
-    if (!std::binary_search(part.ids.begin(), part.ids.end(), id)) continue;
-    if (4 * ++part.dead <= part.ids.size()) break;
+    if (!part.holds(id)) continue;
+    if (2 * ++part.dead <= part.ids.size()) break;
     Listed left;
     merge_alive(part, left);
     if (left.empty()) {
@@ -153,11 +246,17 @@ bool DynamicPoints<Tree>::erase(Id id) {
 template <NeighborIndex Tree>
 void DynamicPoints<Tree>::rebuild() {
   Listed all;
+  merge_loose(all);
   for (std::size_t p = parts_.size(); p-- > 0;) merge_alive(parts_[p], all);
   if (all.empty()) return parts_.clear();
   Part whole = built(all);
-  parts_.clear();
+  parts_.clear(), loose_.clear();
   add(std::move(whole));
+}
+
+template <NeighborIndex Tree>
+void DynamicPoints<Tree>::merge_loose(Listed& points) const {
+  for (std::size_t i = 0; i < loose_.size(); ++i) points.emplace_back(loose_.id(i), loose_.point(i));
 }
 
 /// Both are in order of id; where points go as they came, one simply follows the other.
@@ -192,106 +291,12 @@ void DynamicPoints<Tree>::add(Part part) {
 
 template <NeighborIndex Tree>
 std::size_t DynamicPoints<Tree>::bytes() const {
-  std::size_t sum = sizeof(*this) + there_.capacity() / 8;
+  std::size_t sum = sizeof(*this) + there_.capacity() / 8 + loose_.bytes();
   for (const Part& part : parts_)
     sum += part.tree->bytes() + part.ids.capacity() * sizeof(Id) + part.points.capacity() * sizeof(Point);
   return sum;
 }
 
-// ---- queries -------------------------------------------------------------------------------------------
-
-/// Merges the nearest of a part that are alive into the k best. What is removed takes places, so more are
-/// asked for until enough are left.
-template <NeighborIndex Tree>
-void DynamicPoints<Tree>::nearest_of(const Part& part, const Point& q, std::size_t k, Scratch& s) const {
-  NearestOptions<Scalar> options;
-  if (s.best.size() == k && is_sound(s.best.back().found.distance2))  // by a margin for rounding
-    options.max_distance =
-        std::sqrt(s.best.back().found.distance2) * (1 + 8 * std::numeric_limits<Scalar>::epsilon());
-  for (std::size_t want = std::min(k, part.ids.size());; want = std::min(2 * want, part.ids.size())) {
-    s.found.resize(want);
-    const std::size_t told = part.tree->nearest(q, want, options, std::span<Found>(s.found));
-    s.more.clear();
-    for (std::size_t i = 0; i < told && s.more.size() < k; ++i) {
-      const auto [distance2, local] = s.found[i];
-      if (!there_[part.ids[local]]) continue;
-      using Wide = geometry::Vec<Square, Point::dimension>;
-      const Square ranked =
-          is_sound(distance2) ? Square(distance2) : length2(Wide(part.points[local]) - Wide(q));
-      s.more.push_back({ranked, {distance2, part.ids[local]}});
-    }
-    if (s.more.size() == k || told < want || want == part.ids.size()) break;
-  }
-  s.merged.clear();
-  std::merge(s.best.begin(), s.best.end(), s.more.begin(), s.more.end(), std::back_inserter(s.merged));
-  if (s.merged.size() > k) s.merged.resize(k);
-  s.best.swap(s.merged);
-}
-
-/// Into s.best, nearest first.
-template <NeighborIndex Tree>
-void DynamicPoints<Tree>::find_nearest(const Point& q, std::size_t k, Scratch& s) const {
-  s.best.clear();
-  for (const Part& part : parts_) nearest_of(part, q, k, s);
-}
-
-template <NeighborIndex Tree>
-std::size_t DynamicPoints<Tree>::nearest(const Point& q, std::size_t k, std::span<Found> out) const {
-  if (k == 0) throw InvalidInput("k is 0; it must be at least 1");
-  if (!geometry::is_finite(q)) throw InvalidInput("query has a coordinate that is not finite");
-  const std::size_t m = std::min(k, size());
-  if (out.size() < m)
-    throw InvalidInput("out holds " + std::to_string(out.size()) + " answers; it must hold " +
-                       std::to_string(m));
-  Scratch s;
-  if (m > 0) find_nearest(q, m, s);
-  for (std::size_t i = 0; i < m; ++i) out[i] = s.best[i].found;
-  return m;
-}
-
-template <NeighborIndex Tree>
-void DynamicPoints<Tree>::nearest(std::span<const Point> queries, std::size_t k, std::span<Found> out,
-                                  int threads) const {
-  if (k == 0) throw InvalidInput("k is 0; it must be at least 1");
-  if (out.size() / k < queries.size())
-    throw InvalidInput("out holds " + std::to_string(out.size()) + " answers; it must hold " +
-                       std::to_string(k) + " for each query");
-  for (std::size_t i = 0; i < queries.size(); ++i)
-    if (!geometry::is_finite(queries[i]))
-      throw InvalidInput("query " + std::to_string(i) + " has a coordinate that is not finite");
-  const std::size_t m = std::min(k, size());
-  parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
-    Scratch s;
-    for (std::size_t i = begin; i < end; ++i) {
-      if (m > 0) find_nearest(queries[i], m, s);
-      const std::span<Found> row = out.subspan(i * k, k);
-      for (std::size_t j = 0; j < k; ++j) row[j] = j < m ? s.best[j].found : Found{};
-    }
-  });
-}
-
-template <NeighborIndex Tree>
-void DynamicPoints<Tree>::within(const Point& q, Scalar radius, std::vector<Found>& out) const {
-  if (!(radius >= 0)) throw InvalidInput("radius is " + std::to_string(radius) + "; it must be at least 0");
-  if (!geometry::is_finite(q)) throw InvalidInput("query has a coordinate that is not finite");
-  out.clear();
-  std::vector<Found> found;
-  for (const Part& part : parts_) {
-    part.tree->within(q, radius, found);
-    for (const Found& f : found)
-      if (const Id id = part.ids[f.id]; there_[id]) out.push_back({f.distance2, id});
-  }
-}
-
-template <NeighborIndex Tree>
-void DynamicPoints<Tree>::inside(const Box& box, std::vector<Id>& out) const {
-  out.clear();
-  std::vector<Id> found;
-  for (const Part& part : parts_) {
-    part.tree->inside(box, found);
-    for (const Id local : found)
-      if (const Id id = part.ids[local]; there_[id]) out.push_back(id);
-  }
-}
-
 }  // namespace treeline::accel
+
+#include "accel/dynamic_queries.hpp"

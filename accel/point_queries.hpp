@@ -16,6 +16,7 @@
 
 #include "accel/batch.hpp"
 #include "accel/candidates.hpp"
+#include "accel/point_checks.hpp"
 
 namespace treeline::accel {
 
@@ -33,6 +34,8 @@ struct SearchLimits {
 
 template <class Tree, class T, int D>
 class PointQueries {
+  using Checks = PointChecks<T, D>;
+
  public:
   using Scalar = T;
   static constexpr int dimension = D;
@@ -60,11 +63,11 @@ class PointQueries {
   template <WorkCounter W>
   std::size_t nearest(const Point& q, std::size_t k, const NearestOptions<T>& options,
                       std::span<Neighbor<T>> out, W& work) const {
-    check_k(k);
-    check_options(options);
-    check_query(q, "query");
+    Checks::check_k(k);
+    Checks::check_options(options);
+    Checks::check_query(q, "query");
     const std::size_t m = std::min(k, size());
-    check_room(out.size(), m);
+    Checks::check_room(out.size(), m);
     return find_nearest(q, options, out.first(m), work);
   }
   void within(const Point& q, T radius, std::vector<Neighbor<T>>& out) const {
@@ -73,8 +76,8 @@ class PointQueries {
   }
   template <WorkCounter W>
   void within(const Point& q, T radius, std::vector<Neighbor<T>>& out, W& work) const {
-    check_radius(radius);
-    check_query(q, "query");
+    Checks::check_radius(radius);
+    Checks::check_query(q, "query");
     out.clear();
     append_within(q, radius, out, work);
   }
@@ -85,8 +88,8 @@ class PointQueries {
   template <WorkCounter W>
   void within(const Point& q, T radius, const WithinOptions& options, std::vector<Neighbor<T>>& out,
               W& work) const {
-    check_radius(radius);
-    check_query(q, "query");
+    Checks::check_radius(radius);
+    Checks::check_query(q, "query");
     const bool ranked = options.sorted || options.at_most < size();
     if (!ranked || size() == 0) return within(q, radius, out, work);
     const T limit = squared_limit(radius);
@@ -110,14 +113,13 @@ class PointQueries {
   }
   /// All at a squared distance of at most radius2, as rounded by squared_distance().
   void within_squared(const Point& q, T radius2, std::vector<Neighbor<T>>& out) const {
-    if (!(radius2 >= 0))
-      throw InvalidInput("radius2 is " + std::to_string(radius2) + "; it must be at least 0");
+    Checks::check_radius2(radius2);
     within(q, std::nextafter(std::sqrt(radius2), std::numeric_limits<T>::infinity()), out);
     std::erase_if(out, [&](const Neighbor<T>& n) { return n.distance2 > radius2; });
   }
   std::size_t count_within(const Point& q, T radius) const {
-    check_radius(radius);
-    check_query(q, "query");
+    Checks::check_radius(radius);
+    Checks::check_query(q, "query");
     const T limit = squared_limit(radius);
     if (size() == 0) return 0;
     if (std::isinf(radius)) return size();
@@ -140,7 +142,7 @@ class PointQueries {
   }
   template <WorkCounter W>
   void inside(const Box& box, std::vector<Id>& out, W& work) const {
-    check_box(box, "box");
+    Checks::check_box(box, "box");
     out.clear();
     append_inside(box, out, work);
   }
@@ -154,14 +156,10 @@ class PointQueries {
   }
   void nearest(std::span<const Point> queries, std::size_t k, const NearestOptions<T>& options,
                std::span<Neighbor<T>> out, int threads = 1) const {
-    check_k(k);
-    check_options(options);
-    check_queries(queries);
-    if (out.size() / k < queries.size()) {  // the product below may wrap around
-      if (queries.size() <= static_cast<std::size_t>(-1) / k) check_room(out.size(), queries.size() * k);
-      throw InvalidInput("out holds " + std::to_string(out.size()) + " answers; it must hold " +
-                         std::to_string(k) + " for each query");
-    }
+    Checks::check_k(k);
+    Checks::check_options(options);
+    Checks::check_queries(queries);
+    Checks::check_rows(out.size(), queries.size(), k);
     const std::size_t m = std::min(k, size());
     parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
       NoWork work;
@@ -180,7 +178,7 @@ class PointQueries {
   /// keeps the points, so that neighbours share the caches.
   void nearest_of_all(std::size_t k, std::span<Neighbor<T>> out, int threads = 1) const {
     static_assert(Tree::keeps_each_point_once, "a tree that copies points has no order of its own to ask in");
-    check_k(k);
+    Checks::check_k(k);
     const std::size_t rows = size() + stats_.dropped;
     if (rows > 0 && out.size() / k < rows)
       throw InvalidInput("out holds " + std::to_string(out.size()) + " answers; it must hold " +
@@ -212,15 +210,15 @@ class PointQueries {
     });
   }
   void within(std::span<const Point> queries, T radius, Lists<Neighbor<T>>& out, int threads = 1) const {
-    check_radius(radius);
-    check_queries(queries);
+    Checks::check_radius(radius);
+    Checks::check_queries(queries);
     parallel_lists(queries.size(), threads, out, [&](std::size_t i, std::vector<Neighbor<T>>& list) {
       NoWork work;
       append_within(queries[i], radius, list, work);
     });
   }
   void inside(std::span<const Box> boxes, Lists<Id>& out, int threads = 1) const {
-    for (std::size_t i = 0; i < boxes.size(); ++i) check_box(boxes[i], "box", i);
+    Checks::check_boxes(boxes);
     parallel_lists(boxes.size(), threads, out, [&](std::size_t i, std::vector<Id>& list) {
       NoWork work;
       append_inside(boxes[i], list, work);
@@ -423,48 +421,6 @@ class PointQueries {
           },
           work);
   }
-
-  // ---- refusals ---------------------------------------------------------------------------------------
-
-  static std::string numbered(const char* what, std::size_t i) {
-    std::string name(what);
-    if (i != no_index) name.append(1, ' ').append(std::to_string(i));
-    return name;
-  }
-  static void check_k(std::size_t k) {
-    if (k == 0) throw InvalidInput("k is 0; it must be at least 1");
-  }
-  static void check_options(const NearestOptions<T>& options) {
-    if (!(options.max_distance >= 0))
-      throw InvalidInput("max_distance is " + std::to_string(options.max_distance) +
-                         "; it must be at least 0");
-    if (!(options.epsilon >= 0) || std::isinf(options.epsilon))
-      throw InvalidInput("epsilon is " + std::to_string(options.epsilon) +
-                         "; it must be finite and at least 0");
-    if (options.max_leaves == 0) throw InvalidInput("max_leaves is 0; it must be at least 1");
-  }
-  static void check_radius(T radius) {
-    if (!(radius >= 0)) throw InvalidInput("radius is " + std::to_string(radius) + "; it must be at least 0");
-  }
-  static void check_room(std::size_t have, std::size_t need) {
-    if (have < need)
-      throw InvalidInput("out holds " + std::to_string(have) + " answers; it must hold " +
-                         std::to_string(need));
-  }
-  static void check_query(const Point& q, const char* what, std::size_t i = no_index) {
-    if (!geometry::is_finite(q))
-      throw InvalidInput(numbered(what, i) + " has a coordinate that is not finite");
-  }
-  static void check_queries(std::span<const Point> queries) {
-    for (std::size_t i = 0; i < queries.size(); ++i) check_query(queries[i], "query", i);
-  }
-  static void check_box(const Box& box, const char* what, std::size_t i = no_index) {
-    for (int a = 0; a < D; ++a)
-      if (std::isnan(box.low[a]) || std::isnan(box.high[a]))
-        throw InvalidInput(numbered(what, i) + " has a bound that is not a number");
-  }
-
-  static constexpr std::size_t no_index = static_cast<std::size_t>(-1);
 };
 
 }  // namespace treeline::accel

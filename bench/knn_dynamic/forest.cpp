@@ -20,7 +20,9 @@ class Forest final : public Index {
  public:
   Forest(const Input& input, const Knobs& knobs)
       : pool_(input.pool),
-        points_(tree_options(input.threads), {.block = knobs.at("block").get<std::size_t>()}) {}
+        points_(tree_options(input.threads),
+                {.block = knobs.at("block").get<std::size_t>(), .growth = knobs.at("growth").get<double>()}) {
+  }
 
   // It numbers points as they come, which is the pool's order.
   void change(std::span<const Id> gone, Id first, Id last) override {
@@ -44,7 +46,9 @@ class Forest final : public Index {
 [[maybe_unused]] const bool registered = Registry<Method>::instance().add(
     {.info = {.name = "forest_bvh_wide",
               .family = "bvh",
-              .build_knobs = {{{"block", 64}}, {{"block", 256}}, {{"block", 16}}},
+              .build_knobs = {{{"block", 128}, {"growth", 4}},
+                              {{"block", 128}, {"growth", 1}},
+                              {{"block", 1024}, {"growth", 2}}},
               .ladder = 2,
               .quick_builds = 2},
      .make = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Index> {
