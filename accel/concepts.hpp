@@ -121,7 +121,7 @@ concept WorkCounter = requires(W w) {
 
 template <class T>
 struct Neighbor {
-  T distance2 = std::numeric_limits<T>::infinity();  ///< squared distance
+  T distance2 = std::numeric_limits<T>::infinity();  ///< squared; NeighborIndex says where it vanishes
   Id id = no_id;
 
   /// Nearer first; ties by lower id.
@@ -191,27 +191,39 @@ struct ClosestPoint {
 // it.
 
 /// Neighbours of a point among points.
-/// nearest: the k nearest, nearest first, ties by lower id; writes min(k, size) of them to out (which must
-/// hold
-///   as many) and returns how many. The batch writes k per query, padding with no_id and infinite distance.
-/// within: all at a distance ≤ radius, in no particular order. inside: ids of all in the closed box.
-/// All throw InvalidInput for k = 0, a negative or NaN radius, a query that is not finite, or a box with NaN.
+/// nearest: the k nearest, nearest first, ties by lower id; writes min(k, size) of them (fewer, if options
+///   say so) to out, which must hold min(k, size), and returns how many. The batch writes k per query,
+///   padding with no_id and infinite distance.
+/// within: all at a distance ≤ radius, in no particular order unless the options ask for one; within_squared:
+///   at a squared distance ≤ radius2; count_within: how many. inside: ids of all in the closed box.
+/// Squared distances are those of the caller's units in the tree's scalar, and may be 0 or lose digits though
+/// the distance is not 0, or be infinite though it is finite (for float beyond some 1e-19 and 1e19). The
+/// ranking does not suffer: points are ranked by distances of a wider range then, and ties are only those
+/// that the scalar's digits could not tell apart. Radii and max_distance are true distances, and keep their
+/// meaning there; radius2 = 0 or infinite says no more than that. All throw InvalidInput for k = 0, a
+/// negative or NaN radius, options out of range, a query that is not finite, or a box with NaN.
 template <class I>
-concept NeighborIndex = requires(const I& index, const typename I::Point& q, const typename I::Box& box,
-                                 typename I::Scalar radius, std::size_t k,
-                                 std::span<Neighbor<typename I::Scalar>> out,
-                                 std::vector<Neighbor<typename I::Scalar>>& list, std::vector<Id>& ids,
-                                 std::span<const typename I::Point> queries,
-                                 std::span<const typename I::Box> boxes,
-                                 Lists<Neighbor<typename I::Scalar>>& lists, Lists<Id>& id_lists, int threads,
-                                 Work& work) {
+concept NeighborIndex = requires(
+    const I& index, const typename I::Point& q, const typename I::Box& box, typename I::Scalar radius,
+    typename I::Scalar radius2, std::size_t k, const NearestOptions<typename I::Scalar>& nearest_options,
+    const WithinOptions& within_options, std::span<Neighbor<typename I::Scalar>> out,
+    std::vector<Neighbor<typename I::Scalar>>& list, std::vector<Id>& ids,
+    std::span<const typename I::Point> queries, std::span<const typename I::Box> boxes,
+    Lists<Neighbor<typename I::Scalar>>& lists, Lists<Id>& id_lists, int threads, Work& work) {
   { index.nearest(q, k, out) } -> std::same_as<std::size_t>;
   { index.nearest(q, k, out, work) } -> std::same_as<std::size_t>;
+  { index.nearest(q, k, nearest_options, out) } -> std::same_as<std::size_t>;
+  { index.nearest(q, k, nearest_options, out, work) } -> std::same_as<std::size_t>;
   index.within(q, radius, list);
   index.within(q, radius, list, work);
+  index.within(q, radius, within_options, list);
+  index.within(q, radius, within_options, list, work);
+  index.within_squared(q, radius2, list);
+  { index.count_within(q, radius) } -> std::same_as<std::size_t>;
   index.inside(box, ids);
   index.inside(box, ids, work);
   index.nearest(queries, k, out, threads);
+  index.nearest(queries, k, nearest_options, out, threads);
   index.within(queries, radius, lists, threads);
   index.inside(boxes, id_lists, threads);
 };

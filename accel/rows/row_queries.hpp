@@ -21,14 +21,21 @@ class RowQueries {
 
   // ---- one query: see RowIndex ------------------------------------------------------------------------
 
-  std::size_t nearest(std::span<const T> q, std::size_t k, std::span<Neighbor<T>> out,
-                      const RowSearch& search = {}) const {
-    NoWork work;
-    return nearest(q, k, out, search, work);
+  std::size_t nearest(std::span<const T> q, std::size_t k, std::span<Neighbor<T>> out) const {
+    return nearest(q, k, RowSearch{}, out);
   }
   template <WorkCounter W>
-  std::size_t nearest(std::span<const T> q, std::size_t k, std::span<Neighbor<T>> out,
-                      const RowSearch& search, W& work) const {
+  std::size_t nearest(std::span<const T> q, std::size_t k, std::span<Neighbor<T>> out, W& work) const {
+    return nearest(q, k, RowSearch{}, out, work);
+  }
+  std::size_t nearest(std::span<const T> q, std::size_t k, const RowSearch& search,
+                      std::span<Neighbor<T>> out) const {
+    NoWork work;
+    return nearest(q, k, search, out, work);
+  }
+  template <WorkCounter W>
+  std::size_t nearest(std::span<const T> q, std::size_t k, const RowSearch& search,
+                      std::span<Neighbor<T>> out, W& work) const {
     check(k, search);
     check_length(q.size());
     if (!RowSet<T>::finite(q)) throw InvalidInput("query has a coordinate that is not finite");
@@ -39,7 +46,10 @@ class RowQueries {
   }
 
   /// A batch: the answers of query i are out[i·k] … out[i·k + k - 1].
-  void nearest(RowsView<T> queries, std::size_t k, std::span<Neighbor<T>> out, const RowSearch& search = {},
+  void nearest(RowsView<T> queries, std::size_t k, std::span<Neighbor<T>> out, int threads = 1) const {
+    nearest(queries, k, RowSearch{}, out, threads);
+  }
+  void nearest(RowsView<T> queries, std::size_t k, const RowSearch& search, std::span<Neighbor<T>> out,
                int threads = 1) const {
     check(k, search);
     if (queries.rows > 0) check_length(queries.columns);

@@ -61,9 +61,11 @@ concept RowIndex = requires(const I& index, std::span<const typename I::Scalar> 
                             std::span<Neighbor<typename I::Scalar>> out, RowsView<typename I::Scalar> queries,
                             const RowSearch& search, int threads, Work& work) {
   { index.nearest(q, k, out) } -> std::same_as<std::size_t>;
-  { index.nearest(q, k, out, search) } -> std::same_as<std::size_t>;
-  { index.nearest(q, k, out, search, work) } -> std::same_as<std::size_t>;
-  index.nearest(queries, k, out, search, threads);
+  { index.nearest(q, k, out, work) } -> std::same_as<std::size_t>;
+  { index.nearest(q, k, search, out) } -> std::same_as<std::size_t>;
+  { index.nearest(q, k, search, out, work) } -> std::same_as<std::size_t>;
+  index.nearest(queries, k, out, threads);
+  index.nearest(queries, k, search, out, threads);
   { index.size() } -> std::same_as<std::size_t>;
   { index.columns() } -> std::same_as<std::size_t>;
   { index.bytes() } -> std::same_as<std::size_t>;

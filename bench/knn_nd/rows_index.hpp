@@ -31,7 +31,7 @@ class RowsIndex final : public Index {
                std::span<Id> ids) const override {
     thread_local std::vector<Neighbor> found;
     found.resize(ids.size());
-    tree_.nearest(queries, k, std::span<Neighbor>(found), search_of(knobs), threads);
+    tree_.nearest(queries, k, search_of(knobs), std::span<Neighbor>(found), threads);
     for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = found[i].id;
   }
   std::optional<accel::Work> nearest_work(RowsView queries, std::size_t k,
@@ -39,7 +39,7 @@ class RowsIndex final : public Index {
     accel::Work work;
     std::vector<Neighbor> found(k);
     for (std::size_t i = 0; i < queries.rows; ++i)
-      tree_.nearest(queries[i], k, std::span<Neighbor>(found), search_of(knobs), work);
+      tree_.nearest(queries[i], k, search_of(knobs), std::span<Neighbor>(found), work);
     return work;
   }
 

@@ -36,9 +36,9 @@ struct AnyRows {
   std::string name;
 
   virtual ~AnyRows() = default;
-  virtual std::size_t nearest(std::span<const T>, std::size_t k, std::span<Found>, const RowSearch&,
+  virtual std::size_t nearest(std::span<const T>, std::size_t k, const RowSearch&, std::span<Found>,
                               Work&) const = 0;
-  virtual void nearest(RowsView<T>, std::size_t k, std::span<Found>, const RowSearch&, int threads) const = 0;
+  virtual void nearest(RowsView<T>, std::size_t k, const RowSearch&, std::span<Found>, int threads) const = 0;
   virtual TreeStats stats() const = 0;
   virtual std::size_t size() const = 0;
   virtual std::size_t columns() const = 0;
@@ -47,7 +47,7 @@ struct AnyRows {
   std::vector<Found> nearest(std::span<const T> q, std::size_t k, const RowSearch& search = {}) const {
     std::vector<Found> out(std::min(k, size()));
     Work work;
-    EXPECT_EQ(nearest(q, k, out, search, work), out.size());
+    EXPECT_EQ(nearest(q, k, search, out, work), out.size());
     return out;
   }
 };

@@ -107,7 +107,7 @@ TYPED_TEST(RowIndices, QueriesFromVeryFarRankRight) {
     Matrix<T> batch("batch", 50, 5);
     for (std::size_t i = 0; i < batch.rows; ++i) batch.row(i)[2] = i % 7 == 3 ? q[2] : m.row(2 * i)[2];
     std::vector<Neighbor<T>> found(batch.rows * 4);
-    index.nearest(batch.view(), 4, found, {}, 2);
+    index.nearest(batch.view(), 4, {}, found, 2);
     for (std::size_t i = 0; i < batch.rows; ++i) {
       const auto single = index.nearest(std::as_const(batch).row(i), 4);
       EXPECT_TRUE(std::ranges::equal(single, std::span(found).subspan(4 * i, 4))) << i;

@@ -17,13 +17,13 @@ struct Wrapped final : AnyRows<T> {
       : index(rows, options) {
     this->name = title;
   }
-  std::size_t nearest(std::span<const T> q, std::size_t k, std::span<Found> out, const RowSearch& search,
+  std::size_t nearest(std::span<const T> q, std::size_t k, const RowSearch& search, std::span<Found> out,
                       Work& work) const override {
-    return index.nearest(q, k, out, search, work);
+    return index.nearest(q, k, search, out, work);
   }
-  void nearest(RowsView<T> q, std::size_t k, std::span<Found> out, const RowSearch& search,
+  void nearest(RowsView<T> q, std::size_t k, const RowSearch& search, std::span<Found> out,
                int threads) const override {
-    index.nearest(q, k, out, search, threads);
+    index.nearest(q, k, search, out, threads);
   }
   TreeStats stats() const override { return index.stats(); }
   std::size_t size() const override { return index.size(); }

@@ -17,7 +17,7 @@ TEST(RowLimits, AreKeptAndStillFindKRows) {
               (by_leaves ? search.max_leaves : search.max_rows) = limit;
               std::vector<Neighbor<float>> found(k);
               Work work;
-              ASSERT_EQ(index.nearest(queries.row(i), k, found, search, work), k);
+              ASSERT_EQ(index.nearest(queries.row(i), k, search, found, work), k);
               expect_distinct(found, m.rows);
               for (const auto& n : found) ASSERT_NE(n.id, no_id);
               const std::size_t most = std::max(k, by_leaves ? 8 * limit : limit) + 8;
@@ -61,7 +61,7 @@ TEST(RowLimits, ExactSearchOfFewDimensionsLooksAtFewRows) {
   for_each_index<float>(m.view(), [&](const auto& index) {
     Work work;
     std::vector<Neighbor<float>> out(10);
-    for (std::size_t i = 0; i < queries.rows; ++i) index.nearest(queries.row(i), 10, out, {}, work);
+    for (std::size_t i = 0; i < queries.rows; ++i) index.nearest(queries.row(i), 10, {}, out, work);
     const std::size_t each = work.primitives / queries.rows;
     if (index.name == "brute force") {
       EXPECT_EQ(each, m.rows);
@@ -81,7 +81,7 @@ TEST(RowLimits, EqualRowsCostLittle) {
     EXPECT_LE(index.stats().depth, 24u);
     Work work;
     std::vector<Neighbor<float>> out(8);
-    index.nearest(uniform.row(0), 8, out, {}, work);
+    index.nearest(uniform.row(0), 8, {}, out, work);
     EXPECT_EQ(out[0].id, 0u);
     EXPECT_EQ(out[7].id, 10006u);
     EXPECT_LT(work.primitives, 5000u);  // of 10000 that differ, in 9 dimensions
@@ -97,7 +97,7 @@ TEST(RowBatches, EqualSinglesWhateverTheThreads) {
       for (const int threads : {1, 2, 5}) {
         constexpr std::size_t k = 5;
         std::vector<Neighbor<float>> batch(queries.rows * k, {-1.f, 7});
-        index.nearest(queries.view(), k, batch, search, threads);
+        index.nearest(queries.view(), k, search, batch, threads);
         for (std::size_t i = 0; i < queries.rows; ++i)
           ASSERT_TRUE(std::ranges::equal(index.nearest(queries.row(i), k, search),
                                          std::span(batch).subspan(i * k, k)))
@@ -111,7 +111,7 @@ TEST(RowBatches, PadWhatIsMissingAndMayBeEmpty) {
     const Matrix<float> m = uniform_rows<float>(n, 6), queries = uniform_rows<float>(300, 6, 2);
     for_each_index<float>(m.view(), [&](const auto& index) {
       std::vector<Neighbor<float>> out(queries.rows * 5, {-1.f, 77});
-      index.nearest(queries.view(), 5, out, {}, 2);
+      index.nearest(queries.view(), 5, {}, out, 2);
       for (std::size_t i = 0; i < out.size(); ++i) {
         ASSERT_EQ(out[i].id == no_id, i % 5 >= n);
         ASSERT_EQ(std::isinf(out[i].distance2), i % 5 >= n);
@@ -128,12 +128,12 @@ TEST(RowBatches, RowsMayLieApart) {
   const RowsView<float> view(wide.scalars.data(), 200, 4, 9);
   std::vector<std::vector<Neighbor<float>>> expected;
   for_each_index<float>(narrow.view(), [&](const auto& index) {
-    expected.emplace_back(200 * 3), index.nearest(narrow.view(), 3, expected.back(), {}, 1);
+    expected.emplace_back(200 * 3), index.nearest(narrow.view(), 3, {}, expected.back(), 1);
   });
   std::size_t number = 0;
   for_each_index<float>(view, [&](const auto& index) {
     std::vector<Neighbor<float>> out(200 * 3);
-    index.nearest(view, 3, out, {}, 1);
+    index.nearest(view, 3, {}, out, 1);
     EXPECT_EQ(out, expected[number++]);
   });
 }

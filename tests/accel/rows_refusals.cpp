@@ -29,7 +29,7 @@ TEST(RowRefusals, Queries) {
       Work work;
       const std::vector<float> q(5, 0.f), longer(6, 0.f);
       const auto single = [&](std::span<const float> query, std::size_t k, const RowSearch& s = {}) {
-        index.nearest(query, k, out, s, work);
+        index.nearest(query, k, s, out, work);
       };
       expect_refused([&] { single(q, 0); }, "k is 0");
       expect_refused([&] { single(longer, 1); }, "query has 6 coordinates; rows have 5");
@@ -41,7 +41,7 @@ TEST(RowRefusals, Queries) {
         Matrix<float> queries = uniform_rows<float>(600, 5);
         queries.row(417)[4] = bad;
         for (const int threads : {1, 2})
-          expect_refused([&] { index.nearest(queries.view(), 1, out, {}, threads); }, "query 417 ");
+          expect_refused([&] { index.nearest(queries.view(), 1, {}, out, threads); }, "query 417 ");
       }
       for (const double epsilon : {-1.0, -1e-9, std::nan(""), HUGE_VAL}) {
         RowSearch search;
@@ -54,15 +54,15 @@ TEST(RowRefusals, Queries) {
       search = {}, search.max_leaves = 0;
       expect_refused([&] { single(q, 1, search); }, "max_leaves is 0");
       const Matrix<float> queries = uniform_rows<float>(600, 5);
-      expect_refused([&] { index.nearest(queries.view(), 7, std::span(out).first(4199), {}, 1); },
+      expect_refused([&] { index.nearest(queries.view(), 7, {}, std::span(out).first(4199), 1); },
                      "out holds 4199 answers");
-      expect_refused([&] { index.nearest(queries.view(), std::size_t{1} << 63, out, {}, 1); },
+      expect_refused([&] { index.nearest(queries.view(), std::size_t{1} << 63, {}, out, 1); },
                      "out holds 4200");
-      expect_refused([&] { index.nearest(queries.view(), 1, out, {}, 0); }, "threads is 0");
+      expect_refused([&] { index.nearest(queries.view(), 1, {}, out, 0); }, "threads is 0");
       const RowsView<float> overlapping(queries.scalars.data(), 600, 5, 4);
-      expect_refused([&] { index.nearest(overlapping, 1, out, {}, 1); }, "stride of the queries is 4");
+      expect_refused([&] { index.nearest(overlapping, 1, {}, out, 1); }, "stride of the queries is 4");
       if (n > 0)
-        expect_refused([&] { index.nearest(q, 7, std::span(out).first(6), {}, work); },
+        expect_refused([&] { index.nearest(q, 7, {}, std::span(out).first(6), work); },
                        "out holds 6 answers");
     });
   }
