@@ -30,9 +30,10 @@ namespace treeline::accel {
 struct DynamicOptions {
   /// So many points wait in no tree, and every query looks at them all.
   std::size_t block = 128;
-  /// At least 1: a new tree takes in those up to so many times as large. More leave fewer and larger trees:
-  /// faster queries, slower insertions (at 1e5 points, one at a time: 4 instead of 1 halves the time of a
-  /// query and takes 1.6 times as long to insert and remove).
+  /// At least 1: a new tree takes in those up to so many times as large. More leave fewer and larger trees;
+  /// insertions then take longer (at 1e5 points, one at a time: 4 instead of 1 by 1.6 to 1.7 times), and what
+  /// queries gain depends on the cloud and the moment (half their time in an even cube, none where half of a
+  /// scanned street's largest tree is removed).
   double growth = 4;
 };
 

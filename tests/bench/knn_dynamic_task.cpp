@@ -85,7 +85,8 @@ TEST(KnnDynamicTask, EveryMethodIsRightThroughEveryLifeTwiceOver) {
           EXPECT_LE(e.error.value(), e.floor.value()) << what;
           EXPECT_EQ(e.extra.at("knn_dynamic_recall").get<double>(), 1) << what;
           EXPECT_GE(e.extra.at("knn_dynamic_checked").get<int>(), 100) << what;
-          EXPECT_GE(e.extra.at("knn_dynamic_trees").get<int>(), 1) << what;
+          const bool all_loose = knobs.value("block", 0) >= 1000;  // the whole cloud waits in one block
+          EXPECT_GE(e.extra.at("knn_dynamic_trees").get<int>(), all_loose ? 0 : 1) << what;
         }
     }
 }
