@@ -293,7 +293,7 @@ void draw_leaks(const std::vector<Method>& methods, const View& view, const std:
     Knobs knobs;  // of the build; empty: the first
   };
   const std::array<Panel, 4> wanted{
-      {{"bvh", "bvh", {}},
+      {{"bvh_wide", "bvh_wide", {}},
        {"bvh_fast", "bvh_fast", {}},
        {"embree_single", "Embree", {{"quality", "medium"}, {"robust", false}}},
        {"embree_single", "Embree, robust", {{"quality", "medium"}, {"robust", true}}}}};
