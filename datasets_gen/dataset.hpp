@@ -62,10 +62,15 @@ struct Recipe {
 /// Every recipe, in the order in which they are charted.
 std::span<const Recipe> recipes();
 
+/// Recipes for single tasks, which charts of everything leave out.
+std::span<const Recipe> special_recipes();
+
 /// Makes n rows, about n points or exactly as near to n faces as the recipe allows (1e3 ≤ n ≤ 1e7); the same
 /// name, n and seed give the same bits on every machine and with any number of threads. Of vectors, the
 /// first rows do not depend on n.
-/// Throws std::invalid_argument for an unknown name (listing those known) or n out of range.
+/// A mesh may be damaged, by one kind after the other of meshes/damage.hpp: "icosphere+hole_2",
+/// "icosphere+unwelded"; n is then that of the whole mesh, and `closed` is found from what is left. Throws
+/// std::invalid_argument for an unknown name (listing those known) or n out of range.
 Dataset generate(std::string_view name, std::size_t n, std::uint64_t seed, const Progress& progress = {});
 
 }  // namespace treeline::datasets

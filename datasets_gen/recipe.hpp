@@ -82,6 +82,8 @@ geometry::Mesh3f architecture(const Job&);
 geometry::Mesh3f forest(const Job&);
 geometry::Mesh3f nested_shells(const Job&);
 geometry::Mesh3f torus_knot(const Job&);
+geometry::Mesh3f needles(const Job&);
+geometry::Mesh3f caps(const Job&);
 
 Vectors uniform_vectors(const Job&, std::size_t columns);
 Vectors descriptors(const Job&, std::size_t columns);

@@ -3,7 +3,9 @@
 #include <array>
 #include <stdexcept>
 
+#include "datasets_gen/meshes/damage.hpp"
 #include "datasets_gen/recipe.hpp"
+#include "geometry/adjacency.hpp"
 
 namespace treeline::datasets {
 namespace {
@@ -63,6 +65,33 @@ const std::array<Entry, 20>& table() {
   return entries;
 }
 
+const std::array<Entry, 2>& special_table() {
+  static const std::array<Entry, 2> entries{
+      mesh(needles, "needles", false,
+           "a soup of triangles with one short side, aspect ratios from 10 to 1e5"),
+      mesh(caps, "caps", false, "a soup of triangles with one corner almost on the side across, 10 to 1e5"),
+  };
+  return entries;
+}
+
+template <class Table>
+std::vector<Recipe> list_of(const Table& entries) {
+  std::vector<Recipe> r;
+  for (const Entry& e : entries) r.push_back(e.recipe);
+  return r;
+}
+
+const Entry& entry_named(std::string_view name) {
+  std::string known;
+  for (const std::span<const Entry> entries :
+       {std::span<const Entry>(table()), std::span<const Entry>(special_table())})
+    for (const Entry& e : entries) {
+      if (e.recipe.name == name) return e;
+      known += (known.empty() ? "" : ", ") + e.recipe.name;
+    }
+  throw std::invalid_argument("no recipe is called '" + std::string(name) + "'; known: " + known);
+}
+
 constexpr std::size_t least_n = 1'000, largest_n = 10'000'000;
 
 }  // namespace
@@ -77,21 +106,26 @@ void Ticker::add(double share) {
 }
 
 std::span<const Recipe> recipes() {
-  static const std::vector<Recipe> list = [] {
-    std::vector<Recipe> r;
-    for (const Entry& e : table()) r.push_back(e.recipe);
-    return r;
-  }();
+  static const std::vector<Recipe> list = list_of(table());
+  return list;
+}
+
+std::span<const Recipe> special_recipes() {
+  static const std::vector<Recipe> list = list_of(special_table());
   return list;
 }
 
 Dataset generate(std::string_view name, std::size_t n, std::uint64_t seed, const Progress& progress) {
-  const auto entry = std::ranges::find(table(), name, [](const Entry& e) { return e.recipe.name; });
-  if (entry == table().end()) {
-    std::string known;
-    for (const Recipe& r : recipes()) known += (known.empty() ? "" : ", ") + r.name;
-    throw std::invalid_argument("no recipe is called '" + std::string(name) + "'; known: " + known);
+  const std::string_view base = name.substr(0, name.find('+'));
+  const Entry* const entry = &entry_named(base);
+  std::vector<Damage> damages;
+  for (std::string_view rest = name.substr(base.size()); !rest.empty();) {
+    rest.remove_prefix(1);
+    damages.push_back(damage_named(rest.substr(0, rest.find('+'))));
+    rest = rest.substr(std::min(rest.find('+'), rest.size()));
   }
+  if (!damages.empty() && entry->recipe.kind != Kind::mesh)
+    throw std::invalid_argument("'" + std::string(base) + "' is no mesh; only meshes can be damaged");
   if (n < least_n || n > largest_n)
     throw std::invalid_argument("n = " + std::to_string(n) + " is out of range: recipes make " +
                                 std::to_string(least_n) + " to " + std::to_string(largest_n) + " elements");
@@ -110,6 +144,11 @@ Dataset generate(std::string_view name, std::size_t n, std::uint64_t seed, const
     r.vectors = entry->make_vectors(job, entry->columns);
   else
     r.mesh = entry->make_mesh(job);
+  if (damages.empty()) return r;
+  r.name = name;
+  for (const Damage& damage : damages) r.mesh = damaged(r.mesh, damage, seed);
+  const geometry::Adjacency adjacency(r.mesh);
+  r.closed = adjacency.closed() && adjacency.oriented();
   return r;
 }
 

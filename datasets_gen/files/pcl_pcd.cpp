@@ -6,13 +6,30 @@
 
 #include <cstring>
 #include <exception>
+#include <sstream>
 
 namespace treeline::datasets::files {
 
-std::string pcl_read_pcd(const std::string& path, std::vector<double>& xyz) try {
+std::string pcl_read_pcd(const std::string& header, std::string_view body, std::vector<double>& xyz) try {
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // nothing: it prints to the terminal otherwise
   pcl::PCLPointCloud2 cloud;
-  if (pcl::PCDReader().read(path, cloud) < 0) return "PCL cannot read it, though its header is sound";
+  pcl::PCDReader reader;
+  Eigen::Vector4f origin;
+  Eigen::Quaternionf orientation;
+  int version = 0, kind = 0;  // of the data: text, binary, compressed
+  unsigned body_at = 0;
+  std::istringstream head(header);
+  if (reader.readHeader(head, cloud, origin, orientation, version, kind, body_at) < 0)
+    return "PCL cannot read its header, though it is sound";
+  int result = 0;
+  if (kind == 0) {
+    std::istringstream text{std::string(body)};
+    result = reader.readBodyASCII(text, cloud, version);
+  } else {
+    const auto* data = reinterpret_cast<const unsigned char*>(body.data());
+    result = reader.readBodyBinary(data, cloud, version, kind == 2, 0);
+  }
+  if (result < 0) return "PCL cannot read it, though its header is sound";
   const std::size_t n = static_cast<std::size_t>(cloud.width) * cloud.height;
   if (cloud.data.size() < n * cloud.point_step) return "PCL read fewer points than the header promises";
 

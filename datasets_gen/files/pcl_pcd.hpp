@@ -3,11 +3,13 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace treeline::datasets::files {
 
-/// Appends x, y, z of every point of a PCD file. Returns what went wrong, or nothing.
-std::string pcl_read_pcd(const std::string& path, std::vector<double>& xyz);
+/// Appends x, y, z of every point of a PCD file, given as its header and what follows. Returns what went
+/// wrong, or nothing.
+std::string pcl_read_pcd(const std::string& header, std::string_view body, std::vector<double>& xyz);
 
 }  // namespace treeline::datasets::files

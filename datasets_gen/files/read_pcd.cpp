@@ -1,4 +1,6 @@
-// PCD (PCL's format): the header and the size of the data are checked here, PCL reads the points.
+// PCD (PCL's format): the header and the size of the data are checked here, PCL reads the points. It gets a
+// header of our own: that of a file can make it read past its end (1.13, one without HEIGHT whose data look
+// like text).
 #include <cstring>
 #include <map>
 
@@ -37,6 +39,30 @@ Header read_header(const Input& in) {
   }
   in.fail_line(lines.number(), "the file ends within the header, before DATA");
 }
+
+/// Says of the data what a reader of positions needs to know, and no more.
+class PlainHeader {
+ public:
+  void add(std::string_view name, std::uint64_t size, std::uint64_t count, bool text) {
+    const bool axis = name == "x" || name == "y" || name == "z";
+    if (count == 0) return;
+    fields_ += axis ? " " + std::string(name) : " other" + std::to_string(others_++);
+    // Others are skipped: as text by their number, else by their size.
+    sizes_ += ' ' + std::to_string(text && !axis ? 4 : size);
+    types_ += axis || text || size == 8 ? " F" : " I";
+    counts_ += ' ' + std::to_string(count);
+  }
+  std::string text(std::uint64_t points, std::string_view data) const {
+    const std::string n = std::to_string(points);
+    return "VERSION 0.7\nFIELDS" + fields_ + "\nSIZE" + sizes_ + "\nTYPE" + types_ + "\nCOUNT" + counts_ +
+           "\nWIDTH " + n + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + n + "\nDATA " +
+           std::string(data) + "\n";
+  }
+
+ private:
+  std::string fields_, sizes_, types_, counts_;
+  std::size_t others_ = 0;
+};
 
 /// Bytes that LZF data (Lehmann 2000) unpack to, or nothing where they are broken: a copy from before the
 /// start, or instructions that go on behind the end, where PCL would read on.
@@ -90,6 +116,8 @@ Raw read_pcd(const Input& in) {
     if (count > in.bytes.size())
       in.fail_line(h.lines.at("COUNT"), "more values in a point than the file has bytes");
     point_bytes += size * count, point_words += count;
+    if (types[i] != "F" && types[i] != "U" && types[i] != "I")
+      in.fail_line(h.lines.at("TYPE"), in_quotes(types[i]) + " is no type; F, U and I are");
     if (fields[i] == "x" || fields[i] == "y" || fields[i] == "z") {
       if (types[i] != "F" || size < 4 || count != 1)
         in.fail_line(h.lines.at("TYPE"),
@@ -153,8 +181,13 @@ Raw read_pcd(const Input& in) {
   }
   if (n == 0) in.fail("", "holds no points");
 
+  PlainHeader plain;
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    plain.add(fields[i], natural("SIZE", sizes[i]), counts ? natural("COUNT", entry("COUNT")[i]) : 1,
+              data == "ascii");
   std::vector<double> xyz;
-  if (const std::string problem = pcl_read_pcd(in.path.string(), xyz); !problem.empty()) in.fail("", problem);
+  if (const std::string problem = pcl_read_pcd(plain.text(n, data), body, xyz); !problem.empty())
+    in.fail("", problem);
   if (xyz.size() != 3 * n)
     in.fail("", "PCL read " + std::to_string(xyz.size() / 3) + " of " + std::to_string(n) + " points");
   Raw r;

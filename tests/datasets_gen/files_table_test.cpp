@@ -156,6 +156,18 @@ TEST_F(BadFiles, FacesOfFewerThanThreeCorners) {
   expect_says(d.notes[0], "left out 1 faces");
 }
 
+TEST_F(BadFiles, PcdWithoutHeightWhoseDataLookLikeText) {
+  if (!reads("pcd")) GTEST_SKIP();
+  const std::string head =
+      "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nPOINTS 1\nDATA binary\n";
+  const std::string data = "COLUMNS x \n\xff";
+  const Dataset d = read(put("a.pcd", head + data.substr(0, 12)));
+  geometry::Vec3f p;
+  std::memcpy(&p, data.data(), 12);
+  EXPECT_EQ(d.cloud.points, std::vector{p});
+  expect_says(answer("b.pcd", replaced(head, "TYPE F F F", "TYPE F F Q") + data), "line 4: 'Q' is no type");
+}
+
 // ---- what is no file of the format at all ---------------------------------------------------------------
 
 TEST_F(BadFiles, OtherContentUnderTheName) {

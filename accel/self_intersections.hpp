@@ -1,0 +1,144 @@
+// Which faces of a mesh run through each other, decided exactly.
+//
+// Problem: inside and outside have no meaning where a surface crosses itself, and files do not tell. Method:
+// a binary BVH over the faces; each face asks it for those of later faces whose boxes meet its own, and the
+// exact predicate decides (geometry/exact/triangle_triangle.hpp has its convention: faces that share corners
+// or an edge cross only where they meet beyond those). Cost: O(n log n) and the pairs of boxes that overlap,
+// some ten a face on a surface. Known weakness: n faces on one spot are n² pairs; of equal faces, ask about
+// one.
+#pragma once
+
+#include <mutex>
+
+#include "accel/batch.hpp"
+#include "accel/bvh/build_triangles.hpp"
+#include "geometry/exact/triangle_triangle.hpp"
+
+namespace treeline::accel {
+
+struct SelfIntersectionOptions {
+  std::size_t kept = 10;  ///< pairs listed, those of lowest numbers; all are counted
+  int threads = 1;
+};
+
+struct SelfIntersections {
+  using Pair = std::array<std::uint32_t, 2>;  // numbers of faces, the lower first
+
+  std::size_t count = 0;     ///< pairs
+  std::vector<Pair> pairs;   ///< in ascending order
+  std::size_t examined = 0;  ///< pairs whose boxes meet
+};
+
+namespace detail {
+
+/// Whether a box lies on one side of a triangle's plane for certain: large slanting triangles meet the boxes
+/// of many that are nowhere near.
+class FarFromPlane {
+ public:
+  explicit FarFromPlane(const geometry::Triangle3f& t) : origin_(t.a) {
+    const geometry::Vec3d p = geometry::Vec3d(t.b) - origin_, q = geometry::Vec3d(t.c) - origin_;
+    for (int k = 0; k < 3; ++k) {
+      const double m = p[(k + 1) % 3] * q[(k + 2) % 3], n = p[(k + 2) % 3] * q[(k + 1) % 3];
+      normal_[k] = m - n, slack_[k] = error * (std::abs(m) + std::abs(n));
+    }
+  }
+  bool operator()(const geometry::Box3f& box) const {
+    double centre = 0, reach = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double low = double(box.low[k]) - origin_[k], high = double(box.high[k]) - origin_[k];
+      const double c = 0.5 * (low + high), h = 0.5 * (high - low);
+      centre += normal_[k] * c;
+      reach += std::abs(normal_[k]) * h + slack_[k] * (std::abs(c) + h);
+    }
+    return std::abs(centre) > reach;
+  }
+
+ private:
+  // Roundings of a term: 4 of the normal (whose size, in the end, is the sum of its two products), 3 of the
+  // box, 4 of the sums. Products of three differences of floats stay in the range of double.
+  static constexpr double error = 32 * 0x1p-53;
+
+  geometry::Vec3d origin_, normal_, slack_;
+};
+
+}  // namespace detail
+
+/// Among the given faces of a mesh. Throws InvalidInput for a face with a corner that is not there or not
+/// finite, or without area.
+inline SelfIntersections self_intersections(const geometry::Mesh3f& mesh,
+                                            std::span<const std::uint32_t> faces,
+                                            const SelfIntersectionOptions& options = {}) {
+  for (const std::uint32_t f : faces) {
+    if (f >= mesh.size())
+      throw InvalidInput("face " + std::to_string(f) + " of " + std::to_string(mesh.size()));
+    for (const std::uint32_t corner : mesh.faces[f])
+      if (corner >= mesh.vertices.size())
+        throw InvalidInput("face " + std::to_string(f) + " names vertex " + std::to_string(corner) + " of " +
+                           std::to_string(mesh.vertices.size()));
+    if (!is_finite(mesh.triangle(f)) || is_degenerate(mesh.triangle(f)))
+      throw InvalidInput("face " + std::to_string(f) + " has no area, or a coordinate that is not finite");
+  }
+  std::vector<geometry::Triangle3f> triangles(faces.size());
+  for (std::size_t i = 0; i < faces.size(); ++i) triangles[i] = mesh.triangle(faces[i]);
+  SelfIntersections all;
+  if (triangles.empty()) return all;
+  BvhTriangleOptions tree_options;
+  tree_options.leaf_size = 4;
+  TriangleSet<float> set(std::span<const geometry::Triangle3f>(triangles), tree_options);
+  for (auto& item : set.items) item.triangle = triangles[item.id];  // the exact ones, not scaled
+  const BvhBuilder<float> tree(set, tree_options);
+
+  // The larger of two asks: its plane tells it more. Sizes in powers of two.
+  std::vector<int> size(triangles.size());
+  for (std::size_t i = 0; i < size.size(); ++i) {
+    const geometry::Vec3f sides = set.items[i].triangle.box().extent();
+    size[i] = std::ilogb(sides[0] + sides[1] + sides[2]);
+  }
+
+  std::mutex mutex;
+  parallel_ranges(triangles.size(), options.threads, [&](std::size_t begin, std::size_t end) {
+    SelfIntersections mine;
+    for (std::size_t i = begin; i < end; ++i) {
+      const geometry::Box3f box = set.items[i].triangle.box();
+      const detail::FarFromPlane far(set.items[i].triangle);
+      const auto try_leaf = [&](const BvhChild<float>& leaf) {
+        for (std::size_t j = leaf.first; j < leaf.first + leaf.count; ++j) {
+          if (size[j] > size[i] || (size[j] == size[i] && j <= i)) continue;  // that one asks
+          const geometry::Box3f other = set.items[j].triangle.box();
+          if (!box.overlaps(other) || far(other)) continue;
+          ++mine.examined;
+          const Id a = set.items[i].id, b = set.items[j].id;
+          if (!cross_each_other(triangles[a], triangles[b])) continue;
+          ++mine.count;
+          mine.pairs.push_back({std::min(faces[a], faces[b]), std::max(faces[a], faces[b])});
+        }
+      };
+      std::array<std::uint32_t, bvh_max_depth + 1> open;
+      std::size_t n = 0;
+      const auto enter = [&](const BvhChild<float>& child) {
+        if (!box.overlaps(child.box()) || far(child.box())) return;
+        if (child.count == 0)
+          open[n++] = child.first;
+        else
+          try_leaf(child);
+      };
+      enter(tree.root);
+      while (n > 0) {
+        const BvhNode<float>& node = tree.nodes[open[--n]];
+        enter(node.child[0]), enter(node.child[1]);
+      }
+      if (mine.pairs.size() > 2 * options.kept + 64) {
+        std::ranges::sort(mine.pairs);
+        mine.pairs.resize(options.kept);
+      }
+    }
+    const std::lock_guard lock(mutex);
+    all.count += mine.count, all.examined += mine.examined;
+    all.pairs.insert(all.pairs.end(), mine.pairs.begin(), mine.pairs.end());
+    std::ranges::sort(all.pairs);
+    if (all.pairs.size() > options.kept) all.pairs.resize(options.kept);
+  });
+  return all;
+}
+
+}  // namespace treeline::accel

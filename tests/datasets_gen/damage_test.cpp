@@ -1,0 +1,183 @@
+// Damage, slivers and decimation: each does what its name says, in the amount asked for, and nothing else.
+#include "datasets_gen/meshes/damage.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "datasets_gen/diagnosis.hpp"
+
+namespace treeline::datasets {
+namespace {
+
+using geometry::Mesh3f;
+
+const Mesh3f& ball() {
+  static const Mesh3f mesh = generate("icosphere", 5000, 1).mesh;  // 5120 faces
+  return mesh;
+}
+Mesh3f damaged_ball(const std::string& name, std::uint64_t seed = 3) {
+  return damaged(ball(), damage_named(name), seed);
+}
+
+TEST(Damage, HitsAsManyFacesAsAskedFor) {
+  EXPECT_EQ(damaged_ball("missing_1").size(), 5120u - 51);
+  EXPECT_EQ(damaged_ball("duplicated_1").size(), 5120u + 51);
+  EXPECT_EQ(damaged_ball("hole_2").size(), 5120u - 102);
+  EXPECT_EQ(damaged_ball("degenerate_1").size(), 5120u + 2 * 26);
+  EXPECT_EQ(damaged_ball("missing_0.0001").size(), 5119u);
+  std::size_t flipped = 0;
+  const Mesh3f m = damaged_ball("flipped_10");
+  ASSERT_EQ(m.size(), 5120u);
+  for (std::size_t f = 0; f < m.size(); ++f) {
+    flipped += m.faces[f] != ball().faces[f];
+    EXPECT_EQ(std::set(m.faces[f].begin(), m.faces[f].end()),
+              std::set(ball().faces[f].begin(), ball().faces[f].end()));
+  }
+  EXPECT_EQ(flipped, 512u);
+}
+
+TEST(Damage, IsOfTheKindThatItsNameSays) {
+  const auto check = [](const std::string& name) { return geometry::check_mesh(damaged_ball(name)); };
+  const auto hole = check("hole_2");
+  EXPECT_EQ(hole.boundary_loops, 1u);
+  EXPECT_EQ(hole.components, 1u);
+  EXPECT_GT(check("missing_1").boundary_loops, 40u);
+  const auto flipped = check("flipped_1");
+  EXPECT_TRUE(flipped.closed);
+  EXPECT_GT(flipped.misoriented_edges.count, 2u * 51);  // three a face, where no two are neighbours
+  EXPECT_LE(flipped.misoriented_edges.count, 3u * 51);
+  EXPECT_EQ(check("duplicated_1").duplicate_faces.count, 51u);
+  const auto slits = check("degenerate_1");
+  EXPECT_EQ(slits.degenerate_faces.count, 52u);
+  EXPECT_TRUE(slits.closed && slits.oriented);
+  EXPECT_EQ(slits.non_manifold_edges.count + slits.non_manifold_vertices.count, 0u);
+  EXPECT_EQ(slits.duplicate_vertices.count, 26u);
+  const auto whole = geometry::check_mesh(ball());
+  EXPECT_DOUBLE_EQ(slits.volume, whole.volume);
+  const auto soup = check("unwelded");
+  EXPECT_EQ(soup.components, 5120u);
+  EXPECT_TRUE(soup.welded.closed && soup.welded.oriented);
+  EXPECT_EQ(soup.welded.vertices, ball().vertices.size());
+  EXPECT_DOUBLE_EQ(check("inside_out").volume, -whole.volume);
+  const auto nested = check("nested");
+  EXPECT_EQ(nested.components, 2u);
+  EXPECT_NEAR(nested.volume, whole.volume * (1 + 1 / 8.0), 1e-5 * whole.volume);
+  EXPECT_EQ(diagnose(damaged_ball("nested"), 1, 1).crossings.count, 0u);
+}
+
+TEST(Damage, IsTheSameForTheSameSeedAndAnotherForAnother) {
+  for (const char* name : {"hole_2", "missing_1", "flipped_10", "duplicated_1", "degenerate_1"}) {
+    EXPECT_EQ(damaged_ball(name).faces, damaged_ball(name).faces);
+    EXPECT_NE(damaged_ball(name, 3).faces, damaged_ball(name, 4).faces) << name;
+  }
+}
+
+TEST(Damage, IsPartOfADatasetsName) {
+  const Dataset d = generate("icosphere+hole_2+unwelded", 5000, 1);
+  EXPECT_EQ(d.name, "icosphere+hole_2+unwelded");
+  EXPECT_FALSE(d.closed);
+  EXPECT_EQ(d.mesh.vertices.size(), 3 * d.mesh.size());
+  EXPECT_TRUE(generate("icosphere+inside_out", 5000, 1).closed);
+  EXPECT_FALSE(generate("icosphere+flipped_1", 5000, 1).closed);
+  // One name, one content, on every machine.
+  EXPECT_EQ(generate("icosphere+flipped_10", 5000, 7).hash(), 0x5d770cc67d07c381ull);
+  EXPECT_EQ(generate("needles", 5000, 7).hash(), 0xfab052524ffa6343ull);
+  EXPECT_EQ(generate("caps", 5000, 7).hash(), 0x0ce51b68ef98c6efull);
+  for (const char* name :
+       {"icosphere+", "icosphere+dent_3", "icosphere+hole", "icosphere+hole_0", "icosphere+hole_101",
+        "icosphere+hole_2x", "icosphere+unwelded_3", "grid+unwelded", "cubes+hole_2"})
+    EXPECT_THROW(generate(name, 5000, 1), std::invalid_argument) << name;
+  EXPECT_THROW(damaged({}, {DamageKind::unwelded}, 1), std::invalid_argument);
+  EXPECT_THROW(damaged(ball(), {DamageKind::hole, 0}, 1), std::invalid_argument);
+}
+
+TEST(Slivers, AreThinFromTenToAHundredThousand) {
+  for (const std::string name : {"needles", "caps"}) {
+    const Dataset d = generate(name, 20'000, 1);
+    ASSERT_EQ(d.size(), 20'000u);
+    std::size_t decades[7] = {};
+    for (std::size_t i = 0; i < d.size(); ++i) {
+      const geometry::Triangle3d t(d.mesh.triangle(i));
+      double sides[3] = {length(t.b - t.a), length(t.c - t.b), length(t.a - t.c)};
+      std::sort(sides, sides + 3);
+      // Longest side over height.
+      const double aspect = sides[2] * sides[2] / (2 * t.area() + 1e-30);
+      ++decades[std::clamp(static_cast<int>(std::log10(aspect)), 0, 6)];
+      if (name == "needles") {
+        EXPECT_LT(sides[0], 0.11 * sides[2]);
+      } else {
+        EXPECT_GT(sides[0], 0.1 * sides[2]);
+      }
+      for (const auto& p : {t.a, t.b, t.c})
+        for (int k = 0; k < 3; ++k) ASSERT_LE(std::abs(p[k]), 1);
+    }
+    for (int k = 1; k <= 4; ++k) EXPECT_GT(decades[k], 2000u) << name << " " << k;
+  }
+}
+
+TEST(Decimation, ReachesItsShareAndStaysNearTheSurface) {
+  if (!has_half_edges()) GTEST_SKIP() << "built without OpenMesh";
+  const double volume = geometry::check_mesh(ball()).volume;
+  double last = 0;
+  for (const double ratio : {0.5, 0.25, 0.1, 0.05}) {
+    const Decimated d = decimated(ball(), ratio);
+    EXPECT_TRUE(d.input.faithful());
+    EXPECT_LE(static_cast<double>(d.mesh.size()), ratio * 5120);
+    EXPECT_GE(static_cast<double>(d.mesh.size()), ratio * 5120 - 2);  // a collapse takes two
+    const auto check = geometry::check_mesh(d.mesh);
+    EXPECT_TRUE(check.closed && check.oriented);
+    const double error = std::abs(check.volume - volume);
+    EXPECT_LT(error, 0.03 * volume) << ratio;
+    EXPECT_GE(error, last) << "less mesh, more error";
+    last = error;
+  }
+  EXPECT_EQ(decimated(ball(), 1).mesh.size(), 5120u);
+  for (const double ratio : {0.0, -1.0, 1.5, std::nan("")})
+    EXPECT_THROW(decimated(ball(), ratio), std::invalid_argument);
+  Mesh3f odd = ball();
+  odd.vertices[9][1] = std::numeric_limits<float>::infinity();
+  EXPECT_THROW(decimated(odd, 0.5), std::invalid_argument);
+}
+
+TEST(HalfEdges, WhatOpenMeshDoesToNonManifoldInputIsReported) {
+  if (!has_half_edges()) GTEST_SKIP() << "built without OpenMesh";
+  EXPECT_TRUE(half_edge_report(ball()).faithful());
+  // A third face on an edge gets three vertices of its own, and so three boundary edges.
+  Mesh3f fin = ball();
+  fin.vertices.push_back({2, 2, 2});
+  fin.faces.push_back(
+      {fin.faces[0][0], fin.faces[0][1], static_cast<std::uint32_t>(fin.vertices.size() - 1)});
+  EXPECT_EQ(half_edge_report(fin).copied_vertices, 3u);
+  EXPECT_EQ(half_edge_report(fin).boundary_edges, 3u);
+  Mesh3f flat = ball();
+  flat.faces.push_back({0, 0, 1});
+  EXPECT_EQ(half_edge_report(flat).lost_faces, 1u);
+}
+
+TEST(Diagnosis, IsCleanOnlyWhereNothingIsFound) {
+  EXPECT_TRUE(diagnose(ball(), 5, 1).clean());
+  for (const char* name :
+       {"hole_2", "missing_1", "flipped_1", "duplicated_1", "degenerate_1", "unwelded", "inside_out"})
+    EXPECT_FALSE(diagnose(damaged_ball(name), 5, 1).clean()) << name;
+}
+
+TEST(Diagnosis, IsValidJsonWithTheSameCounts) {
+  Dataset d = generate("icosphere+duplicated_1", 5000, 1);
+  d.name = "a \"name\" with \\ and \n";
+  d.mesh.vertices.push_back({std::numeric_limits<float>::quiet_NaN(), 0, 0});
+  const Diagnosis found = diagnose(d.mesh, 3, 1);
+  const auto json = nlohmann::json::parse(as_json(d, found));
+  EXPECT_EQ(json["file"], d.name);
+  EXPECT_EQ(json["duplicate_faces"]["count"], 51);
+  EXPECT_EQ(json["duplicate_faces"]["first"].size(), 3u);
+  EXPECT_TRUE(json["non_finite_vertices"]["first"][0]["positions"][0][0].is_null());
+  EXPECT_EQ(json["clean"], false);
+  const std::string text = as_text(d, found);
+  EXPECT_NE(text.find("51  faces that are there already"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace treeline::datasets

@@ -1,0 +1,58 @@
+// The program treeline_gen: exit status and output of --check and --decimate.
+#include <sys/wait.h>
+
+#include "files_common.hpp"
+
+namespace treeline::datasets {
+namespace {
+
+class Program : public FolderTest {
+ protected:
+  struct Result {
+    int status;
+    std::string output;
+  };
+  Result run(const std::string& arguments) const {
+    const auto log = folder() / "log";
+    const std::string command =
+        "cd '" + folder().string() + "' && '" TREELINE_GEN "' " + arguments + " >log 2>&1";
+    const int status = std::system(command.c_str());
+    std::ifstream in(log);
+    return {WEXITSTATUS(status), {std::istreambuf_iterator<char>(in), {}}};
+  }
+};
+
+TEST_F(Program, ChecksFiles) {
+  if (!reads("ply")) GTEST_SKIP();
+  write(generate("icosphere", 1000, 1), folder() / "good.ply");
+  write(generate("icosphere+missing_1", 1000, 1), folder() / "bad.ply");
+  put("broken.ply", "ply\n");
+  put("points.xyz", "1 2 3\n");
+  EXPECT_EQ(run("--check good.ply").status, 0);
+  const Result bad = run("--check bad.ply");
+  EXPECT_EQ(bad.status, 1);
+  EXPECT_NE(bad.output.find("closed: no"), std::string::npos) << bad.output;
+  EXPECT_EQ(run("--check bad.ply --json --threads 2").status, 1);
+  for (const char* name :
+       {"broken.ply", "points.xyz", "missing.ply", "good.ply extra.ply", "good.ply --decimate 0.5", ""})
+    EXPECT_EQ(run(std::string("--check ") + name).status, 2) << name;
+  EXPECT_EQ(run("--json good.ply a.ply").status, 2);
+}
+
+TEST_F(Program, Decimates) {
+  if (!reads("ply")) GTEST_SKIP();
+  write(generate("icosphere", 5000, 1), folder() / "in.ply");
+  const Result made = run("--decimate 0.1 in.ply out.ply");
+  EXPECT_EQ(made.status, 0) << made.output;
+  EXPECT_NE(made.output.find("of 5120 triangles"), std::string::npos) << made.output;
+  EXPECT_LE(read(folder() / "out.ply").size(), 512u);
+  EXPECT_EQ(run("--decimate 0.1 in.ply out.ply").status, 2) << "would overwrite";
+  EXPECT_EQ(run("--decimate 0.1 in.ply out.ply --force").status, 0);
+  for (const char* arguments :
+       {"--decimate 0 in.ply a.ply", "--decimate 2 in.ply a.ply", "--decimate 0.5 in.ply"})
+    EXPECT_EQ(run(arguments).status, 2) << arguments;
+  EXPECT_FALSE(std::filesystem::exists(folder() / "a.ply"));
+}
+
+}  // namespace
+}  // namespace treeline::datasets

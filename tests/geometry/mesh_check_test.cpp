@@ -1,0 +1,156 @@
+// The diagnosis of meshes, by meshes whose defects are put in by hand and counted by hand.
+#include "geometry/mesh_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include "accel/self_intersections.hpp"
+#include "tests/geometry/meshes.hpp"
+
+namespace treeline::test {
+namespace {
+
+accel::SelfIntersections crossings(const Mesh3f& mesh, int threads = 1) {
+  return accel::self_intersections(mesh, check_mesh(mesh).sound_faces, {.kept = 1000, .threads = threads});
+}
+Mesh3f joined(Mesh3f a, const Mesh3f& b) {
+  const auto first = static_cast<std::uint32_t>(a.vertices.size());
+  a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
+  for (auto f : b.faces) a.faces.push_back({f[0] + first, f[1] + first, f[2] + first});
+  return a;
+}
+
+TEST(MeshCheck, FindsNothingWrongWithClosedMeshes) {
+  for (const Mesh3f& mesh :
+       {octahedron<float>(), sphere<float>(4), cube<float>(3), spiky<float>(3, 1), torus<float>(40, 20)}) {
+    const MeshCheck c = check_mesh(mesh);
+    EXPECT_TRUE(c.closed && c.oriented && !c.inside_out());
+    for (const Finding* f :
+         {&c.non_finite_vertices, &c.unused_vertices, &c.duplicate_vertices, &c.repeated_corner_faces,
+          &c.degenerate_faces, &c.duplicate_faces, &c.boundary_edges, &c.non_manifold_edges,
+          &c.misoriented_edges, &c.non_manifold_vertices})
+      EXPECT_EQ(f->count, 0u);
+    EXPECT_EQ(c.components, 1u);
+    EXPECT_EQ(c.sound_faces.size(), mesh.size());
+    EXPECT_EQ(c.edges * 2, mesh.size() * 3);
+    EXPECT_EQ(crossings(mesh).count, 0u);
+  }
+}
+
+TEST(MeshCheck, VolumesHaveTheirClosedForms) {
+  EXPECT_DOUBLE_EQ(check_mesh(cube<float>(2)).volume, 8);
+  EXPECT_NEAR(check_mesh(octahedron<float>()).volume, 4.0 / 3, 1e-15);
+  // Far from the origin, too, where corners are exact.
+  EXPECT_DOUBLE_EQ(check_mesh(moved(cube<float>(2), {1024, -4096, 512})).volume, 8);
+  Mesh3f inside_out = cube<float>(1);
+  for (auto& f : inside_out.faces) std::swap(f[0], f[1]);
+  EXPECT_DOUBLE_EQ(check_mesh(inside_out).volume, -8);
+  EXPECT_TRUE(check_mesh(inside_out).inside_out());
+  // A hollow cube: the inner one looks inward.
+  const MeshCheck hollow = check_mesh(joined(cube<float>(1), moved(inside_out, {}, 0.5f)));
+  EXPECT_DOUBLE_EQ(hollow.volume, 8 - 1);
+  EXPECT_EQ(hollow.components, 2u);
+  EXPECT_EQ(hollow.inward_components, 1u);
+}
+
+TEST(MeshCheck, NamesWhatIsWrongAndWhere) {
+  Mesh3f m = sphere<float>(2);  // 128 faces
+  const auto n = static_cast<std::uint32_t>(m.vertices.size());
+  m.vertices.push_back({9, 9, 9});                                        // n: used by nobody
+  m.vertices.push_back(m.vertices[5]);                                    // n + 1: a copy of 5
+  m.vertices.push_back({std::numeric_limits<float>::quiet_NaN(), 0, 0});  // n + 2
+  m.faces.push_back({n + 1, n + 1, 3});                                   // 128: a corner twice
+  m.faces.push_back({m.faces[7][2], m.faces[7][1], m.faces[7][0]});       // 129: face 7 the other way around
+  m.faces.push_back({m.faces[9][0], n + 1, n + 2});                       // 130: with a NaN
+  const MeshCheck c = check_mesh(m);
+  const auto only = [](const Finding& f, std::vector<std::uint32_t> faces,
+                       std::vector<std::uint32_t> vertices) {
+    ASSERT_EQ(f.count, 1u);
+    EXPECT_EQ(f.first.at(0).faces, faces);
+    if (!vertices.empty()) {
+      EXPECT_EQ(f.first[0].vertices, vertices);
+    }
+  };
+  only(c.unused_vertices, {}, {n});
+  only(c.duplicate_vertices, {}, {n + 1, 5});
+  only(c.non_finite_vertices, {}, {n + 2});
+  only(c.repeated_corner_faces, {128}, {n + 1, n + 1, 3});
+  only(c.duplicate_faces, {129, 7}, {});
+  EXPECT_EQ(c.non_manifold_edges.count, 3u);
+  EXPECT_EQ(c.boundary_edges.count, 3u);
+  EXPECT_FALSE(c.closed);
+  EXPECT_EQ(c.sound_faces.size(), 128u);
+}
+
+TEST(MeshCheck, FlatFacesAreDegenerateWhateverTheirShape) {
+  Mesh3f m{{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+  const MeshCheck c = check_mesh(m);
+  EXPECT_EQ(c.degenerate_faces.count, 1u);
+  EXPECT_EQ(c.degenerate_faces.first.at(0).faces, std::vector<std::uint32_t>{0});
+  EXPECT_EQ(c.sound_faces, std::vector<std::uint32_t>{1});
+}
+
+TEST(MeshCheck, TwoTetrahedraThatTouchAtAVertexOrEdge) {
+  const Mesh3f one{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                   {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  Mesh3f vertex = one;
+  vertex.vertices.insert(vertex.vertices.end(), {{-1, 0, 0}, {0, -1, 0}, {0, 0, -1}});
+  for (const auto& f : one.faces)  // mirrored through the origin
+    vertex.faces.push_back({f[0] ? f[0] + 3 : 0, f[2] ? f[2] + 3 : 0, f[1] ? f[1] + 3 : 0});
+  const MeshCheck v = check_mesh(vertex);
+  EXPECT_EQ(v.components, 2u);
+  ASSERT_EQ(v.non_manifold_vertices.count, 1u);
+  EXPECT_EQ(v.non_manifold_vertices.first[0].vertices, std::vector<std::uint32_t>{0});
+  EXPECT_EQ(v.non_manifold_edges.count, 0u);
+  EXPECT_TRUE(v.closed && v.oriented);
+  EXPECT_EQ(crossings(vertex).count, 0u);
+
+  Mesh3f edge = one;  // mirrored through the edge from 0 to 3
+  edge.vertices.insert(edge.vertices.end(), {{-1, 0, 0}, {0, -1, 0}});
+  const std::uint32_t to[4] = {0, 4, 5, 3};
+  for (const auto& f : one.faces) edge.faces.push_back({to[f[0]], to[f[1]], to[f[2]]});
+  const MeshCheck e = check_mesh(edge);
+  ASSERT_EQ(e.non_manifold_edges.count, 1u);
+  EXPECT_EQ(e.non_manifold_edges.first[0].vertices, (std::vector<std::uint32_t>{0, 3}));
+  EXPECT_EQ(e.non_manifold_edges.first[0].faces.size(), 4u);
+  EXPECT_TRUE(e.closed);
+  EXPECT_EQ(crossings(edge).count, 0u);
+}
+
+TEST(SelfIntersections, AreThoseOfAllPairs) {
+  Pcg32 random(5);
+  Mesh3f soup;
+  for (std::uint32_t i = 0; i < 600; ++i) {
+    const Vec3f at = random_vec<float>(random);
+    const float size = i % 50 == 0 ? 2.f : 0.2f;
+    for (int k = 0; k < 3; ++k) soup.vertices.push_back(at + random_vec<float>(random) * size);
+    soup.faces.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  for (const Mesh3f& mesh : {soup, joined(sphere<float>(3), moved(sphere<float>(3), {0.5f, 0.25f, 0})),
+                             joined(cube<float>(1), moved(cube<float>(1), {0.25f, 0, 0})),
+                             joined(sheet<float>(3, 0), moved(sheet<float>(3, 0), {0.125f, 0, 0}))}) {
+    std::vector<accel::SelfIntersections::Pair> expected;
+    const auto sound = check_mesh(mesh).sound_faces;
+    for (const std::uint32_t i : sound)
+      for (const std::uint32_t j : sound)
+        if (i < j && cross_each_other(mesh.triangle(i), mesh.triangle(j))) expected.push_back({i, j});
+    EXPECT_GT(expected.size(), 50u);
+    for (const int threads : {1, 3}) {
+      const auto found = accel::self_intersections(mesh, sound, {.kept = 100'000, .threads = threads});
+      EXPECT_EQ(found.pairs, expected);
+      EXPECT_EQ(found.count, expected.size());
+      const auto few = accel::self_intersections(mesh, sound, {.kept = 7, .threads = threads});
+      EXPECT_EQ(few.count, expected.size());
+      EXPECT_TRUE(std::ranges::equal(few.pairs, std::span(expected).first(7)));
+    }
+  }
+}
+
+TEST(SelfIntersections, RefuseFacesThatAreNotSound) {
+  const Mesh3f m{{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, {{0, 1, 2}, {0, 1, 9}}};
+  for (const std::uint32_t face : {0u, 1u, 2u})
+    EXPECT_THROW(accel::self_intersections(m, std::vector<std::uint32_t>{face}), accel::InvalidInput) << face;
+  EXPECT_EQ(accel::self_intersections(m, {}).count, 0u);
+}
+
+}  // namespace
+}  // namespace treeline::test
