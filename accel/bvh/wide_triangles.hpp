@@ -15,6 +15,7 @@
 #include "accel/bvh/wide_collapse.hpp"
 #include "accel/bvh/wide_exact.hpp"
 #include "accel/bvh/wide_ray.hpp"
+#include "accel/bvh/wide_refit.hpp"
 #include "accel/bvh/wide_stream.hpp"
 #include "accel/ray_checks.hpp"
 #include "accel/slice.hpp"
@@ -57,6 +58,7 @@ class Bvh<Triangles<float, Policy>, Name> {
   using Ray = geometry::Ray<float>;
   using Triangle = geometry::Triangle<float>;
   using Options = WideTriangleOptions;
+  using Layout = typename wide::LayoutOf<Name>::Type;
 
   /// Throw InvalidInput for triangles that are not finite (unless they are to be dropped) or threads < 1.
   explicit Bvh(std::span<const Triangle> triangles, const Options& options = {})
@@ -130,6 +132,23 @@ class Bvh<Triangles<float, Policy>, Name> {
     hits.erase(std::unique(hits.begin(), hits.end()), hits.end());
   }
 
+  /// Takes the same triangles with moved corners: answers become those of a tree built over them, the
+  /// structure stays. Throws InvalidInput, and leaves the tree as it is, for another number of triangles, for
+  /// one that was left out at the build and could be hit now, and as the build does for those not finite.
+  template <class Input>
+  void refit(const Input& moved, int threads = 1) requires wide::Refits<Layout> {
+    const TriangleInput input(moved, non_finite_, threads);
+    if (const std::size_t count = input.triangles().size() + input.dropped(), built = size() + stats_.dropped;
+        count != built)
+      throw InvalidInput(std::to_string(count) + " triangles to refit a tree over " + std::to_string(built));
+    wide::Refit<Layout> refit(tree_, input.triangles(), input.ids());
+    if (stats_.dropped > 0) refit.check(size() + stats_.dropped);
+    place_ = input.place();
+    if (input.triangles().empty()) place_.bounds = {Point{}, Point{}};
+    refit.run(threads);
+    count_triangles(input);
+  }
+
   /// Number of triangles kept.
   std::size_t size() const { return stats_.primitives; }
   std::size_t bytes() const { return stats_.bytes; }
@@ -142,13 +161,13 @@ class Bvh<Triangles<float, Policy>, Name> {
   std::vector<SliceCell> slice(int axis, double offset) const;
 
  private:
-  using Layout = typename wide::LayoutOf<Name>::Type;
   using Test = typename wide::LeafTestOf<Policy, Layout::leaf_size>::Type;
   using BoxRay = wide::BoxRay<Layout>;
   using NearestHit = wide::NearestHit<Layout>;
 
   template <class Build>
-  Bvh(TriangleInput&& input, const Options& options, Build&& build) : place_(input.place()) {
+  Bvh(TriangleInput&& input, const Options& options, Build&& build)
+      : place_(input.place()), non_finite_(options.non_finite) {
     BinaryBuildOptions how;
     how.block = how.largest_leaf = Layout::leaf_size;
     how.node_cost = options.node_cost, how.threads = options.threads;
@@ -157,6 +176,10 @@ class Bvh<Triangles<float, Policy>, Name> {
     count(input);
   }
   void count(const TriangleInput& input);
+  void count_triangles(const TriangleInput& input) {
+    stats_.primitives = input.triangles().size(), stats_.dropped = input.dropped();
+    stats_.sah_cost = tree_.sah_cost;
+  }
 
   /// Calls f(ray, centre, shift): the ray moved by -centre is in the tree's space, its t the given ray's
   /// times 2^shift. As a rule that is the ray as it stands.
@@ -225,17 +248,17 @@ class Bvh<Triangles<float, Policy>, Name> {
   }
 
   TriangleInput::Place place_;
+  NonFinite non_finite_;
   wide::RayTree tree_;
   TreeStats stats_;
 };
 
 template <class Policy, wide::TriangleLayout Name>
 void Bvh<Triangles<float, Policy>, Name>::count(const TriangleInput& input) {
-  stats_.primitives = input.triangles().size(), stats_.dropped = input.dropped();
+  count_triangles(input);
   stats_.references = tree_.references, stats_.inner_nodes = tree_.nodes, stats_.leaves = tree_.leaves;
   stats_.depth = tree_.depth, stats_.largest_leaf = tree_.largest_leaf;
   stats_.bytes = sizeof(*this) + tree_.lines.bytes();
-  stats_.sah_cost = tree_.sah_cost;
 }
 
 template <class Policy, wide::TriangleLayout Name>
