@@ -14,6 +14,7 @@
 #include "accel/bvh/triangle_input.hpp"
 #include "accel/bvh/wide_collapse.hpp"
 #include "accel/bvh/wide_exact.hpp"
+#include "accel/bvh/wide_packet.hpp"
 #include "accel/bvh/wide_ray.hpp"
 #include "accel/bvh/wide_refit.hpp"
 #include "accel/bvh/wide_stream.hpp"
@@ -26,7 +27,8 @@ namespace treeline::accel {
 enum class RayBatch {
   automatic,  ///< streams where the tree is larger than the caches are likely to be
   singly,     ///< one after the other: for rays that follow each other closely
-  streams     ///< several in flight (wide_stream.hpp): for rays that go anywhere
+  streams,    ///< several in flight (wide_stream.hpp): for rays that go anywhere
+  packets     ///< sixteen together (wide_packet.hpp): for neighbours that go the same way; else singly
 };
 
 struct WideTriangleOptions {
@@ -84,10 +86,16 @@ class Bvh<Triangles<float, Policy>, Name> {
     check_rays(rays, hits.size());
     parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
       NoWork work;
-      if (!flies(how))
-        for (std::size_t i = begin; i < end; ++i) hits[i] = closest(rays[i], work);
-      else
+      if (flies(how))
         fly_closest(rays, hits, begin, end);
+      else if (walks(how))
+        walk<false>(
+            rays, begin, end, [&](std::size_t i) { hits[i] = closest(rays[i], work); },
+            [&](const Test& test, const NearestHit& best, std::size_t i, int shift, bool) {
+              hits[i] = answer(rays[i], shift, test, best);
+            });
+      else
+        for (std::size_t i = begin; i < end; ++i) hits[i] = closest(rays[i], work);
     });
   }
 
@@ -105,10 +113,14 @@ class Bvh<Triangles<float, Policy>, Name> {
     check_rays(rays, answers.size());
     parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
       NoWork work;
-      if (!flies(how))
-        for (std::size_t i = begin; i < end; ++i) answers[i] = any(rays[i], work) ? 1 : 0;
-      else
+      if (flies(how))
         fly_any(rays, answers, begin, end);
+      else if (walks(how))
+        walk<true>(
+            rays, begin, end, [&](std::size_t i) { answers[i] = any(rays[i], work) ? 1 : 0; },
+            [&](const Test&, const NearestHit&, std::size_t i, int, bool hit) { answers[i] = hit ? 1 : 0; });
+      else
+        for (std::size_t i = begin; i < end; ++i) answers[i] = any(rays[i], work) ? 1 : 0;
     });
   }
 
@@ -224,6 +236,33 @@ class Bvh<Triangles<float, Policy>, Name> {
   bool flies(RayBatch how) const {
     return tree_.root != wide::no_ref &&
            (how == RayBatch::streams || (how == RayBatch::automatic && tree_.lines.bytes() > cached_bytes));
+  }
+  bool walks(RayBatch how) const {
+    return wide::WalksInPackets<Layout> && tree_.root != wide::no_ref && how == RayBatch::packets;
+  }
+  /// Rays follow each other into a packet until one does not go with it; what goes with none is alone(i).
+  template <bool is_any, class Alone, class Finish>
+  void walk(std::span<const Ray> rays, std::size_t begin, std::size_t end, Alone&& alone,
+            Finish&& finish) const {
+    if constexpr (wide::WalksInPackets<Layout>) {
+      wide::Packet<Layout, Test> packet;
+      const auto add = [&](std::size_t i) {
+        return placed(rays[i], [&](const Ray& ray, const Point& centre, int shift) {
+          return packet.add(ray, centre, place_.bounds, i, shift);
+        });
+      };
+      const auto go = [&] {
+        packet.template walk<is_any>(tree_.lines.data(), tree_.root);
+        packet.take(finish);
+      };
+      for (std::size_t i = begin; i < end; ++i) {
+        if (packet.full()) go();
+        if (add(i)) continue;
+        if (!packet.empty()) go();
+        if (!add(i)) alone(i);
+      }
+      if (!packet.empty()) go();
+    }
   }
   void fly_closest(std::span<const Ray> rays, std::span<Hit<float>> hits, std::size_t begin,
                    std::size_t end) const {
