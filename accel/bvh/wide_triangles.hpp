@@ -14,7 +14,9 @@
 #include "accel/bvh/triangle_input.hpp"
 #include "accel/bvh/wide_collapse.hpp"
 #include "accel/bvh/wide_exact.hpp"
+#include "accel/bvh/wide_packet.hpp"
 #include "accel/bvh/wide_ray.hpp"
+#include "accel/bvh/wide_refit.hpp"
 #include "accel/bvh/wide_stream.hpp"
 #include "accel/ray_checks.hpp"
 #include "accel/slice.hpp"
@@ -25,7 +27,8 @@ namespace treeline::accel {
 enum class RayBatch {
   automatic,  ///< streams where the tree is larger than the caches are likely to be
   singly,     ///< one after the other: for rays that follow each other closely
-  streams     ///< several in flight (wide_stream.hpp): for rays that go anywhere
+  streams,    ///< several in flight (wide_stream.hpp): for rays that go anywhere
+  packets     ///< sixteen together (wide_packet.hpp): for neighbours that go the same way; else singly
 };
 
 struct WideTriangleOptions {
@@ -57,6 +60,7 @@ class Bvh<Triangles<float, Policy>, Name> {
   using Ray = geometry::Ray<float>;
   using Triangle = geometry::Triangle<float>;
   using Options = WideTriangleOptions;
+  using Layout = typename wide::LayoutOf<Name>::Type;
 
   /// Throw InvalidInput for triangles that are not finite (unless they are to be dropped) or threads < 1.
   explicit Bvh(std::span<const Triangle> triangles, const Options& options = {})
@@ -82,10 +86,16 @@ class Bvh<Triangles<float, Policy>, Name> {
     check_rays(rays, hits.size());
     parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
       NoWork work;
-      if (!flies(how))
-        for (std::size_t i = begin; i < end; ++i) hits[i] = closest(rays[i], work);
-      else
+      if (flies(how))
         fly_closest(rays, hits, begin, end);
+      else if (walks(how))
+        walk<false>(
+            rays, begin, end, [&](std::size_t i) { hits[i] = closest(rays[i], work); },
+            [&](const Test& test, const NearestHit& best, std::size_t i, int shift, bool) {
+              hits[i] = answer(rays[i], shift, test, best);
+            });
+      else
+        for (std::size_t i = begin; i < end; ++i) hits[i] = closest(rays[i], work);
     });
   }
 
@@ -103,10 +113,14 @@ class Bvh<Triangles<float, Policy>, Name> {
     check_rays(rays, answers.size());
     parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
       NoWork work;
-      if (!flies(how))
-        for (std::size_t i = begin; i < end; ++i) answers[i] = any(rays[i], work) ? 1 : 0;
-      else
+      if (flies(how))
         fly_any(rays, answers, begin, end);
+      else if (walks(how))
+        walk<true>(
+            rays, begin, end, [&](std::size_t i) { answers[i] = any(rays[i], work) ? 1 : 0; },
+            [&](const Test&, const NearestHit&, std::size_t i, int, bool hit) { answers[i] = hit ? 1 : 0; });
+      else
+        for (std::size_t i = begin; i < end; ++i) answers[i] = any(rays[i], work) ? 1 : 0;
     });
   }
 
@@ -130,6 +144,23 @@ class Bvh<Triangles<float, Policy>, Name> {
     hits.erase(std::unique(hits.begin(), hits.end()), hits.end());
   }
 
+  /// Takes the same triangles with moved corners: answers become those of a tree built over them, the
+  /// structure stays. Throws InvalidInput, and leaves the tree as it is, for another number of triangles, for
+  /// one that was left out at the build and could be hit now, and as the build does for those not finite.
+  template <class Input>
+  void refit(const Input& moved, int threads = 1) requires wide::Refits<Layout> {
+    const TriangleInput input(moved, non_finite_, threads);
+    if (const std::size_t count = input.triangles().size() + input.dropped(), built = size() + stats_.dropped;
+        count != built)
+      throw InvalidInput(std::to_string(count) + " triangles to refit a tree over " + std::to_string(built));
+    wide::Refit<Layout> refit(tree_, input.triangles(), input.ids());
+    if (stats_.dropped > 0) refit.check(size() + stats_.dropped);
+    place_ = input.place();
+    if (input.triangles().empty()) place_.bounds = {Point{}, Point{}};
+    refit.run(threads);
+    count_triangles(input);
+  }
+
   /// Number of triangles kept.
   std::size_t size() const { return stats_.primitives; }
   std::size_t bytes() const { return stats_.bytes; }
@@ -142,13 +173,13 @@ class Bvh<Triangles<float, Policy>, Name> {
   std::vector<SliceCell> slice(int axis, double offset) const;
 
  private:
-  using Layout = typename wide::LayoutOf<Name>::Type;
   using Test = typename wide::LeafTestOf<Policy, Layout::leaf_size>::Type;
   using BoxRay = wide::BoxRay<Layout>;
   using NearestHit = wide::NearestHit<Layout>;
 
   template <class Build>
-  Bvh(TriangleInput&& input, const Options& options, Build&& build) : place_(input.place()) {
+  Bvh(TriangleInput&& input, const Options& options, Build&& build)
+      : place_(input.place()), non_finite_(options.non_finite) {
     BinaryBuildOptions how;
     how.block = how.largest_leaf = Layout::leaf_size;
     how.node_cost = options.node_cost, how.threads = options.threads;
@@ -157,6 +188,10 @@ class Bvh<Triangles<float, Policy>, Name> {
     count(input);
   }
   void count(const TriangleInput& input);
+  void count_triangles(const TriangleInput& input) {
+    stats_.primitives = input.triangles().size(), stats_.dropped = input.dropped();
+    stats_.sah_cost = tree_.sah_cost;
+  }
 
   /// Calls f(ray, centre, shift): the ray moved by -centre is in the tree's space, its t the given ray's
   /// times 2^shift. As a rule that is the ray as it stands.
@@ -202,6 +237,33 @@ class Bvh<Triangles<float, Policy>, Name> {
     return tree_.root != wide::no_ref &&
            (how == RayBatch::streams || (how == RayBatch::automatic && tree_.lines.bytes() > cached_bytes));
   }
+  bool walks(RayBatch how) const {
+    return wide::WalksInPackets<Layout> && tree_.root != wide::no_ref && how == RayBatch::packets;
+  }
+  /// Rays follow each other into a packet until one does not go with it; what goes with none is alone(i).
+  template <bool is_any, class Alone, class Finish>
+  void walk(std::span<const Ray> rays, std::size_t begin, std::size_t end, Alone&& alone,
+            Finish&& finish) const {
+    if constexpr (wide::WalksInPackets<Layout>) {
+      wide::Packet<Layout, Test> packet;
+      const auto add = [&](std::size_t i) {
+        return placed(rays[i], [&](const Ray& ray, const Point& centre, int shift) {
+          return packet.add(ray, centre, place_.bounds, i, shift);
+        });
+      };
+      const auto go = [&] {
+        packet.template walk<is_any>(tree_.lines.data(), tree_.root);
+        packet.take(finish);
+      };
+      for (std::size_t i = begin; i < end; ++i) {
+        if (packet.full()) go();
+        if (add(i)) continue;
+        if (!packet.empty()) go();
+        if (!add(i)) alone(i);
+      }
+      if (!packet.empty()) go();
+    }
+  }
   void fly_closest(std::span<const Ray> rays, std::span<Hit<float>> hits, std::size_t begin,
                    std::size_t end) const {
     wide::fly<wide::ClosestFlight<Layout, Test>>(
@@ -225,17 +287,17 @@ class Bvh<Triangles<float, Policy>, Name> {
   }
 
   TriangleInput::Place place_;
+  NonFinite non_finite_;
   wide::RayTree tree_;
   TreeStats stats_;
 };
 
 template <class Policy, wide::TriangleLayout Name>
 void Bvh<Triangles<float, Policy>, Name>::count(const TriangleInput& input) {
-  stats_.primitives = input.triangles().size(), stats_.dropped = input.dropped();
+  count_triangles(input);
   stats_.references = tree_.references, stats_.inner_nodes = tree_.nodes, stats_.leaves = tree_.leaves;
   stats_.depth = tree_.depth, stats_.largest_leaf = tree_.largest_leaf;
   stats_.bytes = sizeof(*this) + tree_.lines.bytes();
-  stats_.sah_cost = tree_.sah_cost;
 }
 
 template <class Policy, wide::TriangleLayout Name>

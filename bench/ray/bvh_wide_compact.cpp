@@ -13,16 +13,16 @@ std::unique_ptr<Index> build(const geometry::Mesh3f& mesh, const Knobs& knobs, i
              : build_wide<geometry::Watertight, accel::WideCompact<16>>(mesh, knobs, threads);
 }
 
-[[maybe_unused]] const bool registered =
-    Registry<Method>::instance().add({.info = {.name = "bvh_wide_compact",
-                                               .family = "bvh",
-                                               .claim = Claim::bounded,
-                                               .build_knobs = {Knobs{{"builder", "binned"}, {"bits", 16}},
-                                                               Knobs{{"builder", "binned"}, {"bits", 8}}},
-                                               .query_knobs = wide_batches(),
-                                               .ladder = 10,
-                                               .quick_builds = 1},
-                                      .build = build});
+[[maybe_unused]] const bool registered = Registry<Method>::instance().add(
+    {.info = {.name = "bvh_wide_compact",
+              .family = "bvh",
+              .claim = Claim::bounded,
+              .build_knobs = {Knobs{{"builder", "binned"}, {"bits", 16}},
+                              Knobs{{"builder", "binned"}, {"bits", 8}}},
+              .query_knobs = {Knobs{{"batch", "streams"}}, Knobs{{"batch", "singly"}}},
+              .ladder = 10,
+              .quick_builds = 1},
+     .build = build});
 
 }  // namespace
 }  // namespace treeline::bench::ray

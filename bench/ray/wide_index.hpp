@@ -7,7 +7,8 @@
 
 namespace treeline::bench::ray {
 
-/// The knob batch: streams, several rays in flight, or singly, one after the other.
+/// The knob batch: streams, several rays in flight; singly, one after the other; or packets, neighbours
+/// together.
 template <class Tree>
 class WideIndex final : public TreeIndex<Tree> {
  public:
@@ -25,11 +26,16 @@ class WideIndex final : public TreeIndex<Tree> {
  private:
   static accel::RayBatch batch(const Knobs& knobs) {
     if (!knobs.contains("batch")) return accel::RayBatch::automatic;
-    return knobs.at("batch") == "singly" ? accel::RayBatch::singly : accel::RayBatch::streams;
+    const auto& name = knobs.at("batch");
+    return name == "singly"    ? accel::RayBatch::singly
+           : name == "packets" ? accel::RayBatch::packets
+                               : accel::RayBatch::streams;
   }
 };
 
-inline std::vector<Knobs> wide_batches() { return {{{"batch", "streams"}}, {{"batch", "singly"}}}; }
+inline std::vector<Knobs> wide_batches() {
+  return {{{"batch", "streams"}}, {{"batch", "singly"}}, {{"batch", "packets"}}};
+}
 
 /// By the builder that the knob of that name names: binned, sweep, spatial, ploc or reinsertion.
 accel::BinaryTree build_binary(const std::string& builder,

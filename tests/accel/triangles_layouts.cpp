@@ -40,7 +40,7 @@ void expect_alike(const std::vector<Triangle<float>>& triangles, const std::vect
   std::vector<Hit<float>> hits(rays.size()), expected(rays.size());
   std::vector<std::uint8_t> any(rays.size()), any_expected(rays.size());
   reference.closest_hit(rays, expected, 1), reference.any_hit(rays, any_expected, 1);
-  for (const RayBatch how : {RayBatch::singly, RayBatch::streams}) {
+  for (const RayBatch how : {RayBatch::singly, RayBatch::streams, RayBatch::packets}) {
     tree.closest_hit(rays, hits, 1, how), tree.any_hit(rays, any, 1, how);
     ASSERT_TRUE(hits == expected);
     ASSERT_EQ(any, any_expected);
@@ -81,6 +81,41 @@ TYPED_TEST(WideLayouts, AnswerAlike) {
     spread.push_back({{x, -s, -s}, {x, s, -s}, {x, 0, s}});
   }
   check(spread, 38);
+}
+
+/// Neighbours that go the same way, from one point or side by side, some of them at corners.
+TYPED_TEST(WideLayouts, AnswerPacketsAlike) {
+  Pcg32 random(41);
+  for (const bool closed : {false, true}) {
+    const Mesh<float> mesh = sphere<float>(4);
+    auto triangles = soup<float>(4000, 0.2f, 42);
+    if (closed) {
+      triangles.clear();
+      for (std::size_t i = 0; i < mesh.size(); ++i) triangles.push_back(mesh.triangle(i));
+    }
+    const typename TypeParam::Tree tree(triangles);
+    const typename TypeParam::Reference reference(triangles);
+    for (int bundle = 0; bundle < 60; ++bundle) {
+      const V eye = in_cube(random, bundle % 3 == 0 ? 0.3f : 3.0f), ahead = in_cube(random, 1.0f);
+      const float spread = bundle % 4 == 0 ? 1e-3f : bundle % 4 == 1 ? 0.03f : 0.3f;
+      std::vector<R> rays;
+      for (int i = 0; i < 100; ++i) {
+        const V aside = in_cube(random, spread);
+        R ray = bundle % 2 ? R{eye, ahead + aside} : R{eye + aside, ahead};
+        if (bundle % 5 == 0 && i % 4 == 0) ray.direction = triangles[random.below(900)].a - eye;
+        if (bundle % 7 == 0) ray.t_min = -1, ray.t_max = float(i % 5) - 2;
+        if (bundle % 11 == 0 && i % 9 == 0) ray.direction[i % 3] = 0;
+        rays.push_back(ray);
+      }
+      std::vector<Hit<float>> hits(rays.size());
+      std::vector<std::uint8_t> any(rays.size());
+      tree.closest_hit(rays, hits, 1, RayBatch::packets), tree.any_hit(rays, any, 1, RayBatch::packets);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_TRUE(hits[i] == reference.closest_hit(rays[i])) << bundle << ' ' << i;
+        ASSERT_EQ(any[i] != 0, reference.any_hit(rays[i])) << bundle << ' ' << i;
+      }
+    }
+  }
 }
 
 TYPED_TEST(WideLayouts, SlicesCoverTheirTriangles) {

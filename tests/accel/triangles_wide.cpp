@@ -35,7 +35,7 @@ TYPED_TEST_SUITE(WideRays, WideTrees);
 template <class Tree>
 void expect_same_in_every_batch(const Tree& tree, const std::vector<R>& rays,
                                 const std::vector<Hit<float>>& hits, const std::vector<std::uint8_t>& any) {
-  for (const RayBatch how : {RayBatch::automatic, RayBatch::singly, RayBatch::streams})
+  for (const RayBatch how : {RayBatch::automatic, RayBatch::singly, RayBatch::streams, RayBatch::packets})
     for (const int threads : {1, 2}) {
       std::vector<Hit<float>> same(rays.size());
       std::vector<std::uint8_t> same_any(rays.size());
