@@ -158,16 +158,18 @@ class Packet {
     const Rays everyone = (1u << size_) - 1;
     Rays here = everyone, hit = 0;
     float limit = farthest();
+    bool nearer = false;  // than when that was found
     std::uint32_t last_key = key_of<Layout>(limit);
     for (;;) {
       if (std::popcount(here) < worth_a_packet) {
         for (; here != 0; here &= here - 1) hit |= alone<any>(lines, ref, std::countr_zero(here));
+        nearer = true;
       } else if (is_leaf(ref)) {
         for (; here != 0; here &= here - 1) {
           const int i = std::countr_zero(here);
           One& one = of_[i];
           if (!try_leaf<Layout, any>(lines, ref, one.test, one.best)) continue;
-          hit |= 1u << i, limit_[i] = any ? -infinity : one.best.t;
+          hit |= 1u << i, limit_[i] = any ? -infinity : one.best.t, nearer = true;
         }
       } else {
         const auto& node = node_at<Layout>(lines, ref);
@@ -180,11 +182,19 @@ class Packet {
           left |= (of_child[lane] != 0 ? 1u : 0u) << lane;
         }
         if (left != 0) {
-          const simd::Keys<Layout::width> keys(met.enter, left);
-          keys.write_sorted(node.child, stack.key + stack.height, stack.ref + stack.height);
-          const int count = std::popcount(left);
-          for (int i = 0; i < count; ++i)
-            rays[stack.height + i] = of_child[stack.key[stack.height + i] & (Layout::width - 1u)];
+          const int first = stack.height, count = std::popcount(left);
+          if constexpr (any) {  // in the order of the node: the last is most worth a visit
+            int to = first;
+            for (; left != 0; left &= left - 1, ++to) {
+              const int lane = std::countr_zero(left);
+              stack.key[to] = 0, stack.ref[to] = node.child[lane], rays[to] = of_child[lane];
+            }
+          } else {
+            const simd::Keys<Layout::width> keys(met.enter, left);
+            keys.write_sorted(node.child, stack.key + first, stack.ref + first);
+            for (int i = first; i < first + count; ++i)
+              rays[i] = of_child[stack.key[i] & (Layout::width - 1u)];
+          }
           stack.height += count - 1;
           ref = stack.ref[stack.height], here = rays[stack.height];
           prefetch<Layout>(lines, stack.ref[stack.height - 1]);
@@ -193,7 +203,7 @@ class Packet {
         here = 0;
       }
       if (any && hit == everyone) return hit;
-      limit = farthest(), last_key = key_of<Layout>(limit);
+      if (nearer) limit = farthest(), last_key = key_of<Layout>(limit), nearer = false;
       do {
         if (stack.empty()) return hit;
         --stack.height;
