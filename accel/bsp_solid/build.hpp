@@ -21,7 +21,6 @@ struct Node {
   std::uint32_t first, count;  // its pieces
 };
 
-template <class Space>
 struct SolidTree {
   std::vector<Node> nodes;
   std::vector<Piece> pieces;  // in the planes of nodes
@@ -36,7 +35,7 @@ class SolidBuilder {
   SolidBuilder(Pieces<Space>& pieces, std::span<const Id> names, const SolidOptions& options)
       : pieces_(pieces), names_(names), choose_(pieces, options) {}
 
-  SolidTree<Space> operator()(std::vector<Piece> source) {
+  SolidTree operator()(std::vector<Piece> source) {
     if (source.empty()) return std::move(tree_);
     std::vector<Set> waiting;
     waiting.push_back({std::move(source), no_parent, 0, 0});
@@ -110,7 +109,7 @@ class SolidBuilder {
   Pieces<Space>& pieces_;
   std::span<const Id> names_;
   PlaneChooser<Space> choose_;
-  SolidTree<Space> tree_;
+  SolidTree tree_;
 };
 
 }  // namespace treeline::accel::solid

@@ -18,22 +18,21 @@ namespace treeline::accel {
 struct SolidOptions {
   SolidGrid grid;               ///< none: the finest that holds the mesh
   int candidates = 16;          ///< faces whose planes are tried; 1: the first one
-  int axis_levels = 0;          ///< so many levels are cut across an axis at the median
-  std::size_t axis_least = 64;  ///< … where a set has at least so many pieces
+  int axis_levels = 24;         ///< so many levels are cut across an axis at the median …
+  std::size_t axis_least = 32;  ///< … where a set has at least so many pieces
   std::size_t sample = 128;     ///< pieces that a plane is tried on
   double split_cost = 8;        ///< of a piece cut, where one of imbalance costs 1
   double epsilon = 1e-8;        ///< of the rounding variant alone, relative to the solid's reach
 
-  /// Few pieces, whatever the depth; the default; and a shallow tree at the price of more.
-  static SolidOptions fewest_pieces() { return {}; }
-  static SolidOptions first_face() {
+  /// No help along axes: a list for convex solids.
+  static SolidOptions best_face() {
     SolidOptions o;
-    o.candidates = 1;
+    o.axis_levels = 0;
     return o;
   }
-  static SolidOptions shallow() {
-    SolidOptions o;
-    o.axis_levels = 24;
+  static SolidOptions first_face() {
+    SolidOptions o = best_face();
+    o.candidates = 1;
     return o;
   }
 };

@@ -59,7 +59,7 @@ class ExactSpace {
 
   SolidGrid grid;
   std::vector<Plane> planes;
-  mutable std::uint64_t filtered = 0, whole = 0, wide = 0;  // how signs were decided
+  mutable std::uint64_t whole = 0, wide = 0;  // signs that double left open, decided in 128 and in 256 bits
 
   Corner vertex(const Vec3d& p) const {
     const Vec3d s = grid.steps(p);

@@ -78,7 +78,7 @@ class BspTree<Solid<Space>> {
   Pieces pieces_;
   std::vector<Piece> source_;
   std::vector<Id> names_;  // the faces of the mesh that they are
-  solid::SolidTree<Space> tree_;
+  solid::SolidTree tree_;
   SolidStats stats_;
 };
 

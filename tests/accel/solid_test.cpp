@@ -1,0 +1,366 @@
+// BSP trees of meshes as solids: against exact parity, brute force, closed forms and laws.
+#include "accel/bsp_solid.hpp"
+
+#include <gtest/gtest.h>
+
+#include "geometry/exact/orientation.hpp"
+#include "tests/geometry/meshes.hpp"
+
+namespace treeline::test {
+namespace {
+
+using namespace treeline::accel;
+using Tree = BspTree<Solid<>>;
+
+Mesh3d on_grid(Mesh3d m, double steps = 0x1p20) {
+  for (auto& p : m.vertices)
+    for (int k = 0; k < 3; ++k) p[k] = std::rint(p[k] * steps) / steps;
+  return m;
+}
+Mesh3d nested() {
+  Mesh3d m = sphere<double>(2);
+  for (const double scale : {0.75, 0.5}) {
+    const auto base = static_cast<std::uint32_t>(m.vertices.size());
+    const Mesh3d s = moved(sphere<double>(2), {0, 0, 0}, scale);
+    m.vertices.insert(m.vertices.end(), s.vertices.begin(), s.vertices.end());
+    for (auto f : s.faces) {
+      if (scale == 0.75) std::swap(f[0], f[1]);
+      m.faces.push_back({f[0] + base, f[1] + base, f[2] + base});
+    }
+  }
+  return m;
+}
+std::vector<std::pair<std::string, Mesh3d>> meshes() {
+  return {{"sphere", on_grid(sphere<double>(3))},    {"cube", on_grid(cube<double>(1))},
+          {"spiky", on_grid(spiky<double>(3, 1))},   {"sheet", on_grid(sheet<double>(3, 0.01))},
+          {"torus", on_grid(torus<double>(24, 12))}, {"nested", on_grid(nested())}};
+}
+std::vector<std::pair<std::string, SolidOptions>> strategies() {
+  return {{"first", SolidOptions::first_face()}, {"best", SolidOptions::best_face()}, {"shallow", {}}};
+}
+
+/// By the parity of crossings of a segment to a far point, each decided exactly; another point if it meets an
+/// edge.
+Location parity(const Mesh3d& mesh, const Vec3d& p, Pcg32& random) {
+  for (;;) {
+    const Vec3d q = normalized(random_vec<double>(random)) * 64.0;
+    bool odd = false, clear = true;
+    for (std::size_t f = 0; f < mesh.size() && clear; ++f) {
+      const Triangle3d t = mesh.triangle(f);
+      const int s[3] = {orientation(p, q, t.b, t.c), orientation(p, q, t.c, t.a),
+                        orientation(p, q, t.a, t.b)};
+      const bool positive = s[0] > 0 || s[1] > 0 || s[2] > 0, negative = s[0] < 0 || s[1] < 0 || s[2] < 0;
+      if (positive && negative) continue;
+      const int from = orientation(t.a, t.b, t.c, p), to = orientation(t.a, t.b, t.c, q);
+      if (from == 0 && to != 0) return Location::on;
+      if (s[0] == 0 || s[1] == 0 || s[2] == 0)
+        clear = from * to > 0;
+      else if (from * to < 0)
+        odd = !odd;
+    }
+    if (clear) return odd ? Location::inside : Location::outside;
+  }
+}
+
+/// Anywhere, near the surface, in it as far as rounding allows, and at vertices.
+Vec3d query(const Mesh3d& mesh, int i, Pcg32& random) {
+  if (i % 4 == 0) return random_vec<double>(random, -1.4, 1.4);
+  const Triangle3d t = mesh.triangle(random.below(static_cast<std::uint32_t>(mesh.size())));
+  if (i % 4 == 1) return i % 8 == 1 ? t.a : t.a * 0.5 + t.b * 0.5;
+  const double u = random.uniform(), v = random.uniform() * (1 - u);
+  const Vec3d p = t.a * (1 - u - v) + t.b * u + t.c * v;
+  return i % 4 == 2 ? p : p + random_vec<double>(random) * 1e-3;
+}
+
+TEST(Solid, LocatesLikeParity) {
+  for (const auto& [name, mesh] : meshes())
+    for (const auto& [how, options] : strategies()) {
+      SCOPED_TRACE(name + ", " + how);
+      const Tree tree(mesh, options);
+      Pcg32 random(11);
+      int counts[3] = {};
+      for (int i = 0; i < 400; ++i) {
+        const Vec3d p = query(mesh, i, random);
+        const Location truth = parity(mesh, p, random);
+        ASSERT_EQ(tree.locate(p), truth) << i;
+        ++counts[static_cast<int>(truth)];
+      }
+      for (const int c : counts) EXPECT_GT(c, 10);
+      EXPECT_EQ(tree.stats().moved, 0u);
+    }
+}
+
+double largest(const Vec3d& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
+double area(std::span<const Vec3d> outline) {
+  Vec3d n{};
+  for (std::size_t i = 2; i < outline.size(); ++i)
+    n += cross(outline[i - 1] - outline[0], outline[i] - outline[0]);
+  return length(n) / 2;
+}
+
+TEST(Solid, PiecesCoverTheirFaces) {
+  for (const auto& [name, mesh] : meshes())
+    for (const auto& [how, options] : strategies()) {
+      SCOPED_TRACE(name + ", " + how);
+      const Tree tree(mesh, options);
+      std::vector<double> covered(mesh.size());
+      std::size_t pieces = 0;
+      tree.paint({5, 4, 3}, [&](Id face, std::span<const Vec3d> outline) {
+        ASSERT_GE(outline.size(), 3u);
+        covered[face] += area(outline), ++pieces;
+      });
+      EXPECT_EQ(pieces, tree.stats().fragments);
+      for (std::size_t f = 0; f < mesh.size(); ++f)
+        ASSERT_NEAR(covered[f], mesh.triangle(f).area(), 1e-13) << f;
+      EXPECT_EQ(tree.stats().leaves, tree.stats().nodes + 1);
+    }
+}
+
+using RayTest = Watertight::Prepared<double>;
+
+TEST(Solid, PaintsFarPiecesFirst) {
+  for (const auto& [name, mesh] : meshes()) {
+    SCOPED_TRACE(name);
+    const Tree tree(mesh);
+    Pcg32 random(5);
+    for (const Vec3d& eye : {Vec3d{2, 3, 1}, Vec3d{0.1, 0.2, 0.05}, mesh.vertices[7] * 2.0}) {
+      std::vector<Rayd> rays;
+      std::vector<RayTest> tests;
+      for (int i = 0; i < 20; ++i) rays.push_back({eye, random_vec<double>(random) - eye * 0.9});
+      for (const Rayd& r : rays) tests.emplace_back(r);
+      std::vector<double> last(rays.size(), INFINITY);
+      tree.paint(eye, [&](Id, std::span<const Vec3d> outline) {
+        for (std::size_t r = 0; r < rays.size(); ++r)
+          for (std::size_t i = 2; i < outline.size(); ++i)
+            if (const auto hit = tests[r]({outline[0], outline[i - 1], outline[i]}, 0, INFINITY)) {
+              ASSERT_LE(hit->t, last[r] * (1 + 1e-12));
+              last[r] = hit->t;
+            }
+      });
+      for (std::size_t r = 0; r < rays.size(); ++r) {
+        double nearest = INFINITY;
+        for (std::size_t f = 0; f < mesh.size(); ++f)
+          if (const auto hit = tests[r](mesh.triangle(f), 0, INFINITY)) nearest = std::min(nearest, hit->t);
+        if (std::isinf(nearest)) {
+          EXPECT_TRUE(std::isinf(last[r]));
+        } else {
+          EXPECT_NEAR(last[r], nearest, 1e-11 * nearest);
+        }
+      }
+    }
+  }
+}
+
+TEST(Solid, RaysHitWhatBruteForceHits) {
+  for (const auto& [name, mesh] : meshes()) {
+    SCOPED_TRACE(name);
+    const Tree tree(mesh);
+    Pcg32 random(9);
+    int hits = 0;
+    for (int i = 0; i < 300; ++i) {
+      Rayd ray{random_vec<double>(random, -2, 2), random_vec<double>(random)};
+      if (i % 3 == 1) ray.direction = query(mesh, i, random) - ray.origin;
+      if (i % 3 == 2) ray.direction = {0, i % 2 == 0 ? 1.0 : -1.0, 0};
+      if (i % 5 == 0) ray.t_max = 1.5;
+      if (i % 7 == 0) ray.t_min = 1;
+      const RayTest test(ray);
+      double nearest = INFINITY;
+      for (std::size_t f = 0; f < mesh.size(); ++f)
+        if (const auto hit = test(mesh.triangle(f), ray.t_min, ray.t_max))
+          nearest = std::min(nearest, hit->t);
+      ASSERT_EQ(tree.closest_hit(ray).t, nearest) << i;
+      hits += std::isfinite(nearest);
+    }
+    EXPECT_GT(hits, 50);
+  }
+}
+
+Mesh3d box_mesh(const Vec3d& low, const Vec3d& high) {
+  Mesh3d m = cube<double>(-1);
+  for (auto& p : m.vertices)
+    for (int k = 0; k < 3; ++k) p[k] = p[k] < 0 ? low[k] : high[k];
+  return m;
+}
+SolidOptions common_grid(std::initializer_list<const Mesh3d*> all) {
+  Box<double, 3> box;
+  for (const Mesh3d* m : all) box = merged(box, m->box());
+  SolidOptions o;
+  o.grid = SolidGrid::over(box);
+  return o;
+}
+
+// Boxes that cross, touch in a face, share part of a plane, lie in one another, coincide, and are apart.
+TEST(SolidMerge, BoxesHaveTheVolumesOfSchool) {
+  const Vec3d lows[] = {{0.5, 0.25, 0.125}, {1, 0, 0}, {0, 0.5, 0},   {0.25, 0.25, 0.25},
+                        {0, 0, 0},          {2, 2, 2}, {1, 0.5, 0.25}};
+  const double sizes[] = {1, 1, 1, 0.5, 1, 1, 2};
+  for (std::size_t i = 0; i < std::size(lows); ++i) {
+    SCOPED_TRACE(i);
+    const Mesh3d a = box_mesh({0, 0, 0}, {1, 1, 1}), b = box_mesh(lows[i], lows[i] + Vec3d::filled(sizes[i]));
+    double common = 1;
+    for (int k = 0; k < 3; ++k) common *= std::max(0.0, std::min(1.0, lows[i][k] + sizes[i]) - lows[i][k]);
+    const SolidOptions options = common_grid({&a, &b});
+    const Tree x(a, options), y(b, options);
+    const double vb = sizes[i] * sizes[i] * sizes[i];
+    EXPECT_EQ(merged(x, y, Merge::unite).volume(), 1 + vb - common);
+    EXPECT_EQ(merged(x, y, Merge::intersect).volume(), common);
+    EXPECT_EQ(merged(x, y, Merge::subtract).volume(), 1 - common);
+    EXPECT_EQ(merged(y, x, Merge::subtract).volume(), vb - common);
+  }
+}
+
+TEST(SolidMerge, PointsAndVolumesFollowSetAlgebra) {
+  const Mesh3d a = on_grid(spiky<double>(3, 1)), b = moved(a, Vec3d{0.25, 0.125, 0.0625}),
+               c = on_grid(torus<double>(24, 12));
+  for (const auto& [p, q] : {std::pair{&a, &b}, std::pair{&a, &c}, std::pair{&b, &c}}) {
+    const SolidOptions options = common_grid({p, q});
+    const Tree x(*p, options), y(*q, options);
+    ASSERT_EQ(x.stats().moved + y.stats().moved, 0u);
+    const Tree both = merged(x, y, Merge::unite), common = merged(x, y, Merge::intersect),
+               rest = merged(x, y, Merge::subtract);
+    const double v = x.volume(), w = y.volume(), u = both.volume(), i = common.volume();
+    EXPECT_NEAR(u + i, v + w, 1e-13 * (v + w));
+    EXPECT_NEAR(rest.volume() + i, v, 1e-13 * v);
+    EXPECT_GT(i, 0.01 * v);
+    // What is cut apart fits together again, in yet another tree.
+    const Tree again = merged(rest, common, Merge::unite);
+    EXPECT_NEAR(again.volume(), v, 1e-13 * v);
+    Pcg32 random(4);
+    for (int n = 0; n < 3000; ++n) {
+      const Vec3d point = query(n % 2 == 0 ? *p : *q, n, random);
+      const Location k = x.locate(point), l = y.locate(point);
+      if (k == Location::on && l == Location::on) continue;  // what is on both may vanish
+      const auto of = [](bool in, bool on) {
+        return in ? Location::inside : on ? Location::on : Location::outside;
+      };
+      const bool k_in = k == Location::inside, l_in = l == Location::inside, k_out = k == Location::outside,
+                 l_out = l == Location::outside;
+      ASSERT_EQ(both.locate(point), of(k_in || l_in, !(k_out && l_out)));
+      ASSERT_EQ(common.locate(point), of(k_in && l_in, !k_out && !l_out));
+      ASSERT_EQ(rest.locate(point), of(k_in && l_out, !k_out && !l_in));
+      ASSERT_EQ(again.locate(point), k);
+    }
+  }
+}
+
+// Volume of the region common to a cube and itself turned by 45° about an axis: a regular octagon, 8 (sqrt(2)
+// - 1).
+TEST(SolidMerge, TurnedCubesShareAnOctagon) {
+  const Mesh3d a = box_mesh({-1, -1, -1}, {1, 1, 1});
+  Mesh3d b = a;
+  for (auto& p : b.vertices) p = {(p[0] - p[1]) * std::sqrt(0.5), (p[0] + p[1]) * std::sqrt(0.5), p[2]};
+  const SolidOptions options = common_grid({&a, &b});
+  const Tree x(a, options), y(b, options);
+  EXPECT_NEAR(merged(x, y, Merge::intersect).volume(), 16 * (std::sqrt(2.0) - 1),
+              1e-6);  // the turned one is moved
+  EXPECT_GT(y.stats().moved, 0u);
+}
+
+TEST(Solid, ConvexSolidsDoNotMakeAList) {
+  const Mesh3d mesh = on_grid(sphere<double>(5));
+  EXPECT_LT(Tree(mesh).stats().depth, 100u);
+  EXPECT_EQ(Tree(on_grid(sphere<double>(3)), SolidOptions::first_face()).stats().depth, 512u);
+}
+
+// What the strategies are for: few pieces, and neither a list nor a deep tree.
+TEST(Solid, RoughSpheresStayFewAndShallow) {
+  Mesh3d mesh = sphere<double>(6);
+  for (auto& p : mesh.vertices)
+    p = p * (1 + 0.05 * std::sin(9 * p[0]) * std::sin(8 * p[1] + 1) * std::sin(7 * p[2]));
+  mesh = on_grid(mesh);
+  const SolidStats s = Tree(mesh).stats(), best = Tree(mesh, SolidOptions::best_face()).stats();
+  EXPECT_LE(s.fragments, 2.3 * static_cast<double>(mesh.size()));
+  EXPECT_LE(s.depth, 40u);
+  EXPECT_LE(best.fragments, 2.1 * static_cast<double>(mesh.size()));
+}
+
+TEST(Solid, RoundingLosesPoints) {
+  const Mesh3d mesh = on_grid(spiky<double>(3, 1));
+  SolidOptions options = SolidOptions::best_face();
+  options.epsilon = 1e-8;
+  const BspTree<Solid<solid::RoundedSpace<float>>> rounded(mesh, options);
+  const Tree exact(mesh, options);
+  Pcg32 random(2);
+  int wrong = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3d p = query(mesh, 4 * i + 3, random);
+    wrong += rounded.locate(p) != exact.locate(p);
+  }
+  EXPECT_GT(wrong, 0);
+  EXPECT_GT(rounded.stats().fragments, exact.stats().fragments);
+}
+
+TEST(Solid, RefusesWhatBoundsNothing) {
+  Mesh3d m = cube<double>(0);
+  const auto refused = [](const Mesh3d& mesh, const std::string& why) {
+    try {
+      Tree tree(mesh);
+      ADD_FAILURE() << "not refused: " << why;
+    } catch (const InvalidInput& e) {
+      EXPECT_NE(std::string(e.what()).find(why), std::string::npos) << e.what();
+    }
+  };
+  refused({}, "no faces");
+  Mesh3d open = m;
+  open.faces.pop_back();
+  refused(open, "3 edges have one face only");
+  Mesh3d turned = m;
+  std::swap(turned.faces[5][0], turned.faces[5][1]);
+  refused(turned, "3 edges have faces that run the same way");
+  Mesh3d inside_out = m;
+  for (auto& f : inside_out.faces) std::swap(f[0], f[1]);
+  refused(inside_out, "inside out");
+  Mesh3d broken = m;
+  broken.vertices[9][1] = NAN;
+  refused(broken, "vertex 9 is not finite");
+  const Tree a(m), b(moved(m, Vec3d{1, 0, 0}));
+  EXPECT_THROW(merged(a, b, Merge::unite), InvalidInput);
+  EXPECT_THROW(a.locate({0, NAN, 0}), InvalidInput);
+}
+
+TEST(SolidGrid, MovesVerticesByHalfAStepAtMost) {
+  const Mesh3d mesh = moved(sphere<double>(3), Vec3d{1000, -3, 0.1}, 0.3);
+  const Tree tree(mesh);
+  const SolidGrid g = tree.grid();
+  EXPECT_LE(g.spacing, 0.6 * 0x1p-24);
+  EXPECT_GT(tree.stats().moved, 0u);
+  tree.paint({0, 0, 0}, [&](Id face, std::span<const Vec3d> outline) {
+    const Triangle3d t = mesh.triangle(face);
+    if (outline.size() != 3 || std::abs(area(outline) - t.area()) > 1e-12) return;  // a part
+    for (const Vec3d& p : outline)
+      EXPECT_LE(std::min({largest(p - t.a), largest(p - t.b), largest(p - t.c)}), g.spacing / 2 * (1 + 1e-9));
+  });
+}
+
+TEST(WideInteger, CalculatesLikeDyadics) {
+  using solid::Int128;
+  using solid::Int256;
+  Pcg32 random(8);
+  const auto number = [&](int bits) {
+    const Int128 x = Int128(random.next64()) << 40 ^ Int128(random.next64());
+    return (random.below(2) == 0 ? x : -x) >> (104 - bits);
+  };
+  const auto dyadic = [](Int128 x) {
+    const bool negative = x < 0;
+    solid::Unsigned128 u = negative ? -solid::Unsigned128(x) : solid::Unsigned128(x);
+    Dyadic r, unit(1);
+    for (; u != 0; u >>= 32, unit = unit * Dyadic(0x1p32))
+      r += unit * Dyadic(double(static_cast<std::uint32_t>(u)));
+    return negative ? -r : r;
+  };
+  for (int i = 0; i < 3000; ++i) {
+    const Int128 a = number(90), b = number(100), c = number(50), d = i % 3 == 0 ? a : number(90),
+                 e = i % 3 == 0 ? b : number(100);
+    const Int256 x = (Int256(a) * b - Int256(d) * e) * c;
+    const Dyadic y = (dyadic(a) * dyadic(b) - dyadic(d) * dyadic(e)) * dyadic(c);
+    ASSERT_EQ(x.sign(), y.sign());
+    ASSERT_EQ((-x + x).sign(), 0);
+    if (y.sign() != 0) {
+      const auto s = y.scaled();
+      ASSERT_NEAR(x.rounded() / std::ldexp(s.digits, s.exponent), 1, 0x1p-50);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace treeline::test
