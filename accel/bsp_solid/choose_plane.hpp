@@ -19,7 +19,7 @@ struct SolidOptions {
   SolidGrid grid;               ///< none: the finest that holds the mesh
   int candidates = 16;          ///< faces whose planes are tried; 1: the first one
   int axis_levels = 24;         ///< so many levels are cut across an axis at the median …
-  std::size_t axis_least = 32;  ///< … where a set has at least so many pieces
+  std::size_t axis_least = 26;  ///< … where a set has at least so many pieces
   std::size_t sample = 128;     ///< pieces that a plane is tried on
   double split_cost = 8;        ///< of a piece cut, where one of imbalance costs 1
   double epsilon = 1e-8;        ///< of the rounding variant alone, relative to the solid's reach

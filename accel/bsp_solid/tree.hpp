@@ -6,6 +6,7 @@
 // All walk with stacks of their own.
 #pragma once
 
+#include "accel/batch.hpp"
 #include "accel/bsp_solid/build.hpp"
 #include "geometry/adjacency.hpp"
 #include "geometry/intersect_triangle.hpp"
@@ -37,6 +38,7 @@ class BspTree<Solid<Space>> {
 
  public:
   using Vec3d = geometry::Vec3d;
+  using Point = Vec3d;
   using Piece = solid::Piece;
 
   /// Throws InvalidInput for a mesh that is not finite, not closed or not oriented, and for one that is
@@ -49,6 +51,12 @@ class BspTree<Solid<Space>> {
 
   Location locate(const Vec3d& point) const;
   bool contains(const Vec3d& point) const { return locate(point) != Location::outside; }
+  void contains(std::span<const Vec3d> points, std::span<std::uint8_t> out, int threads) const {
+    if (points.size() != out.size()) throw InvalidInput("solid: as many answers as points are needed");
+    parallel_ranges(points.size(), threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) out[i] = contains(points[i]) ? 1 : 0;
+    });
+  }
 
   /// Calls paint(face, corners) for every piece, far ones first: none hides one that comes later.
   template <class Paint>
@@ -81,6 +89,8 @@ class BspTree<Solid<Space>> {
   solid::SolidTree tree_;
   SolidStats stats_;
 };
+
+static_assert(VolumeIndex<BspTree<Solid<>>>);
 
 // ---- build ---------------------------------------------------------------------------------------------
 
