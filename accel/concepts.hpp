@@ -79,7 +79,8 @@ enum class NonFinite {
   drop     ///< leave it out; stats().dropped counts it; ids stay those of the input
 };
 
-/// Knobs common to all builders; each tree adds its own in a struct that derives from this one.
+/// Knobs common to most builders. Trees with knobs of their own have a struct that derives from this one, but
+/// for those whose leaves have a fixed size, whose structs repeat what applies.
 struct BuildOptions {
   NonFinite non_finite = NonFinite::refuse;
   int leaf_size = 8;  ///< at most so many primitives in a leaf, where they can be told apart
@@ -143,8 +144,12 @@ struct Neighbor {
 /// real, but something nearer may be missing.
 template <class T>
 struct NearestOptions {
-  T max_distance = std::numeric_limits<T>::infinity();  ///< nothing farther is returned; inclusive
-  double epsilon = 0;  ///< the i-th distance is at most (1 + epsilon) times the true i-th, up to rounding
+  /// Inclusive: all that is within it counts, and what is beyond by no more than rounding may (see within).
+  T max_distance = std::numeric_limits<T>::infinity();
+  /// The i-th distance is at most (1 + epsilon) times the true i-th (of the distances as real numbers;
+  /// epsilon below some units in the scalar's last place promises no more than an exact search does). Where
+  /// fewer than k are within max_distance, none of them is missing.
+  double epsilon = 0;
   /// Leaves measured, at least 1; no bound on the error. With a finite max_distance a search that has used
   /// them up ends with what it has found; without one it goes on until it has found k.
   std::size_t max_leaves = static_cast<std::size_t>(-1);
@@ -153,8 +158,11 @@ struct NearestOptions {
 };
 
 struct WithinOptions {
-  bool sorted = false;                                 ///< nearest first, ties by lower id
-  std::size_t at_most = static_cast<std::size_t>(-1);  ///< only the nearest so many (sorted, then)
+  static constexpr std::size_t all = static_cast<std::size_t>(-1);
+  bool sorted = false;        ///< nearest first, ties by lower id
+  std::size_t at_most = all;  ///< only the nearest so many; these are sorted, however few there are
+
+  bool ranked() const { return sorted || at_most != all; }
 };
 
 /// Variable-length answers of a batch: those of query i are items[offsets[i]] … items[offsets[i + 1] - 1].
@@ -202,8 +210,10 @@ struct ClosestPoint {
 /// nearest: the k nearest, nearest first, ties by lower id; writes min(k, size) of them (fewer, if options
 ///   say so) to out, which must hold min(k, size), and returns how many. The batch writes k per query,
 ///   padding with no_id and infinite distance.
-/// within: all at a distance ≤ radius, in no particular order unless the options ask for one; within_squared:
-///   at a squared distance ≤ radius2; count_within: how many. inside: ids of all in the closed box.
+/// within: all at a distance ≤ radius, as real numbers, and none farther by more than rounding (a relative
+///   (D + 2) / 2 units in the last place of the scalar), in no particular order unless the options ask for
+///   one; within_squared: at a squared distance, as the index computes it, ≤ radius2; count_within: how many.
+///   inside: ids of all in the closed box, exactly.
 /// Squared distances are those of the caller's units in the tree's scalar, and may be 0 or lose digits though
 /// the distance is not 0, or be infinite though it is finite (for float beyond some 1e-19 and 1e19). The
 /// ranking does not suffer: points are ranked by distances of a wider range then, and ties are only those
