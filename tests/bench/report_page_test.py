@@ -87,7 +87,7 @@ class Report(unittest.TestCase):
 
     def test_made_without_complaint(self):
         self.assertEqual(self.status, 0)
-        self.assertIn("knn: the fastest right method", self.told)
+        self.assertIn("knn: the fastest method that promises exact answers", self.told)
 
     def test_no_script_error(self):
         self.assertEqual(self.page.root.get("data-errors", "[]"), "[]")
@@ -149,7 +149,7 @@ class Report(unittest.TestCase):
         for told in self.seen["advice"]:
             task = next(t for t in self.models if t.name == told["task"])
             here = [r for r in task.of(told["dataset"]) if r.size == max(task.sizes)]
-            sets = advice.shared_sets(here) if told["set"] == "*" else [told["set"]]
+            sets = advice.asked_sets(here) if told["set"] == "*" else [told["set"]]
             best, below, limit = advice.advise(advice.rungs(here, sets), told["tolerance"])
             if best is None:
                 self.assertIn("No configuration", told["take"])
