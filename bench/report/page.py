@@ -88,8 +88,9 @@ def _nav(task, pictures, cards):
 
 def _head(rows):
     """What was measured, on what, and with whose versions."""
-    tasks = ", ".join(dict.fromkeys(r.task for r in rows))
-    parts = [f"<p>{len(rows):,} cells of the tasks {esc(tasks)}.</p>"]
+    tasks = list(dict.fromkeys(r.task for r in rows))
+    cells, of = "cell" if len(rows) == 1 else "cells", "task" if len(tasks) == 1 else "tasks"
+    parts = [f"<p>{len(rows):,} {cells} of the {of} {esc(', '.join(tasks))}.</p>"]
     lines = []
     for k, run in enumerate(rows.runs):
         mine = [r for r in rows if r.run == k]

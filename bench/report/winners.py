@@ -100,11 +100,12 @@ def mean_ratio(found, ratio=lambda w: w.ratio):
     return exp(sum(map(log, ratios)) / len(ratios)) if ratios else None
 
 
-def table(rows):
-    """A short text table for the terminal: datasets at their largest size against query sets."""
+def table(rows, sizes=largest):
+    """A short text table for the terminal: datasets at their largest size (or all that `sizes` keeps) against query
+    sets."""
     lines = []
     for task in dict.fromkeys(r.task for r in rows):
-        found = largest([w for w in winners(rows) if w.task == task])
+        found = sizes([w for w in winners(rows) if w.task == task])
         if not found:
             continue
         sets = list(dict.fromkeys(w.query_set or "-" for w in found))
@@ -118,7 +119,7 @@ def table(rows):
     every = winners(rows)
     if any(w.ratio and not w.clear for w in every):
         lines.append("  ~ no clear winner: the intervals of the repetitions overlap, or there was only one")
-    if any(w.beside_lucky for w in largest(every)):
+    if any(w.beside_lucky for w in sizes(every)):
         lines.append(f"  […] {LUCKY}")
     if lines and (told := busy.warning(rows)):
         lines.append(f"  busy: {told}")
@@ -134,7 +135,8 @@ def means(found, times):
     out = []
     if (mean := mean_ratio(found)) is not None:
         cells = sum(w.ratio is not None for w in found)
-        out.append(f"geometric mean of {cells}: ours runs at {mean:.2f}{times} the speed of the best peer that promises exact "
+        low, high = (pick(w.ratio for w in found if w.ratio) for pick in (min, max))
+        out.append(f"geometric mean of {cells} ({low:.2f} to {high:.2f}): ours runs at {mean:.2f}{times} the speed of the best peer that promises exact "
                    "answers")  # fmt: skip
     if any(w.beside_lucky for w in found):
         mean = mean_ratio(found, lambda w: w.hardest)
@@ -155,13 +157,15 @@ def _aligned(lines):
 
 
 def main(argv=None):
-    parser = argparse.ArgumentParser(prog="winners.py", description=__doc__)
+    parser = argparse.ArgumentParser(prog="winners.py", description=__doc__.partition("\n")[0])
     parser.add_argument("rows", nargs="+", metavar="ROWS.jsonl")
+    parser.add_argument("--all-sizes", action="store_true", help="every size of a dataset, not the largest alone")
+    arguments = parser.parse_args(argv)
     try:
-        read = reader.read(parser.parse_args(argv).rows)
+        read = reader.read(arguments.rows)
     except (OSError, reader.RowError) as error:
         parser.exit(2, f"winners: {error}\n")
-    print(table(list(read)) or "No row of a method that promises exact answers has a time.")
+    print(table(list(read), list if arguments.all_sizes else largest) or "No row of a method that promises exact answers has a time.")
     return 0
 
 

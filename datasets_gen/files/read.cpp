@@ -153,9 +153,9 @@ std::vector<geometry::Vec3f> to_float(const Input& in, const Raw& raw, Coordinat
     if (!geometry::is_finite(r[i]) && odd++ == 0) first_odd = i;
   }
   if (odd > 0)
-    to.notes.push_back(std::to_string(odd) +
-                       " points have a coordinate that is not finite, the first is number " +
-                       std::to_string(first_odd));
+    to.notes.push_back((odd == 1 ? "1 point has" : std::to_string(odd) + " points have") +
+                       " a coordinate that is not finite" +
+                       (odd == 1 ? ": number " : ", the first is number ") + std::to_string(first_odd));
   return r;
 }
 

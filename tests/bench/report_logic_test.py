@@ -162,6 +162,11 @@ class Winners(unittest.TestCase):
         self.assertIsNone(winners.winners(slower)[0].lucky)
         self.assertNotIn("[", winners.table(slower))
 
+    def test_the_largest_size_or_all(self):
+        here = list(read(made(METHOD, 100), made(PEER, 200), made(METHOD, 100, n=10), made(PEER, 800, n=10)))
+        self.assertIn("geometric mean of 1 (2.00 to 2.00): ours runs at 2.00x", winners.table(here))
+        self.assertIn("geometric mean of 2 (2.00 to 8.00): ours runs at 4.00x", winners.table(here, list))
+
     def test_says_where_the_machine_was_busy(self):
         quiet = [made(METHOD, 100, query_set=f"k{i}", query_cpu_ns=99.0) for i in range(19)]
         slowed = made(METHOD, 100, query_set="k99", query_cpu_ns=80.0)

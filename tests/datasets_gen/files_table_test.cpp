@@ -98,7 +98,7 @@ TEST_F(BadFiles, CoordinatesThatAreNotFinite) {
   EXPECT_EQ(d.mesh.faces, m.faces);
   EXPECT_EQ(d.mesh.vertices.size(), 4u);
   ASSERT_EQ(d.notes.size(), 1u);
-  expect_says(d.notes[0], "1 points have a coordinate that is not finite, the first is number 2");
+  expect_says(d.notes[0], "1 point has a coordinate that is not finite: number 2");
   expect_says(answer("c.stl", stl_text(m)), "not a finite number");
   expect_says(answer("d.stl", stl_binary(m)), "not finite");
   expect_says(answer("e.off", off_text(m)), "is not a finite number");
