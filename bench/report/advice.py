@@ -1,9 +1,9 @@
 """The advice: the cheapest configuration that meets a tolerance on every stated metric, and what the rung below breaks.
 
-The same rules as bench/core/advice.hpp and page/advice.js, on the query sets that Task::advise_on names: a cost is the sum over the query sets, and an error is held
-against the tolerance or the truth's own floor, whichever is larger. At a tolerance not above the floor, methods whose
-claim promises nothing about other queries, or only a bound by epsilon, are not advised. A test holds this file and the
-page to one answer.
+The same rules as bench/core/advice.hpp and page/advice.js, on the query sets that Task::advise_on names: a cost is the sum
+over the query sets, and an error is held against the tolerance or the truth's own floor, whichever is larger. At a
+tolerance not above the floor, methods whose claim promises nothing about other queries, or only a bound by epsilon, are
+not advised. A test holds this file and the page to one answer.
 """
 
 from dataclasses import dataclass

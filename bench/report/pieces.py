@@ -175,7 +175,8 @@ def gallery(pictures):
 def advice(task):
     datasets = "".join(option(d, d) for d in task.datasets)
     told = list(dict.fromkeys(r.query_set for r in task.soft if r.values.get("advised")))
-    sets = option("*", f"those of --advise: {', '.join(told)}" if told else "all that every method answers") + "".join(option(s, s) for s in task.query_sets)
+    sets = option("*", f"those of --advise: {', '.join(told)}" if told else "all that every method answers")
+    sets += "".join(option(s, s) for s in task.query_sets)
     return (f'<div class="advice" data-task="{task.name}"><div class="controls"><label>dataset <select name="dataset" '
             f'autocomplete="off">{datasets}</select></label><label>query sets <select name="set" autocomplete="off">'
             f'{sets}</select></label><label class="slide">tolerance <input type="range" name="tolerance" min="0" '

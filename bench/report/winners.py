@@ -136,8 +136,8 @@ def means(found, times):
     if (mean := mean_ratio(found)) is not None:
         cells = sum(w.ratio is not None for w in found)
         low, high = (pick(w.ratio for w in found if w.ratio) for pick in (min, max))
-        out.append(f"geometric mean of {cells} ({low:.2f} to {high:.2f}): ours runs at {mean:.2f}{times} the speed of the best peer that promises exact "
-                   "answers")  # fmt: skip
+        out.append(f"geometric mean of {cells} ({low:.2f} to {high:.2f}): ours runs at {mean:.2f}{times} the speed of the best "
+                   "peer that promises exact answers")  # fmt: skip
     if any(w.beside_lucky for w in found):
         mean = mean_ratio(found, lambda w: w.hardest)
         cells = sum(w.hardest is not None for w in found)
@@ -165,7 +165,8 @@ def main(argv=None):
         read = reader.read(arguments.rows)
     except (OSError, reader.RowError) as error:
         parser.exit(2, f"winners: {error}\n")
-    print(table(list(read), list if arguments.all_sizes else largest) or "No row of a method that promises exact answers has a time.")
+    told = table(list(read), list if arguments.all_sizes else largest)
+    print(told or "No row of a method that promises exact answers has a time.")
     return 0
 
 

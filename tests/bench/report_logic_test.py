@@ -13,7 +13,7 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
 import report_fixture as fixture
-from bench.report import (advice, approximate, busy, compare, frontier, layout, model, palette, pictures, rows, series,
+from bench.report import (advice, approximate, busy, compare, frontier, layout, model, palette, pictures, pieces, rows, series,
                           stability, units, winners)  # fmt: skip
 from report_made import LOOSE, METHOD, PEER, made, read, read_text
 
@@ -270,6 +270,14 @@ class Stability(unittest.TestCase):
             (cases, columns[0].label, cell.letter, cell.error, cell.bad, cell.count), (["ties"], "kd_tree", "W", "0.25", 1, 2)
         )
         self.assertIn("query 3", cell.detail)
+
+    def test_who_faced_no_hard_case_is_named_below_with_the_reason(self):
+        hard = made(METHOD, None, 0.0) | {"block": "hard/ties", "dataset": "ties"}
+        doubles = made(("tree_double", "kd", "ours", "exact"))
+        absent = made(("gone", "kd", "peer", "exact"), None, None, status="not_built")
+        html = pieces.matrix_table(model.TaskModel("knn", list(read(hard, doubles, absent, made(METHOD)))))
+        self.assertIn("Not in this matrix: tree_double. The hard cases are clouds of floats.", html)
+        self.assertNotIn("Not in", pieces.matrix_table(model.TaskModel("knn", list(read(hard, absent, made(METHOD))))))
 
     def test_every_status_has_its_own_letter_and_word(self):
         for table in (stability.LETTERS, stability.WORDS):
