@@ -68,8 +68,18 @@ struct WideOf {};
 /// share.
 template <int Bits = 16>
 struct WideCompact {};
+namespace detail {
+template <class...>
+inline constexpr bool never = false;
+}
 template <class Primitives, class Layout = Binary>
-class Bvh;
+class Bvh {
+  static_assert(
+      detail::never<Primitives, Layout>,
+      "no such Bvh, or its header is missing (accel/bvh.hpp has all): of triangles, Wide, WideOf and "
+      "WideCompact take Triangles<float, geometry::Watertight> and Triangles<float, geometry::Exact>; "
+      "for doubles there is the binary layout");
+};
 
 // ---- build ---------------------------------------------------------------------------------------------
 
@@ -88,7 +98,9 @@ struct BuildOptions {
 
 struct TreeStats {
   std::size_t primitives = 0;  ///< kept in the tree
-  std::size_t dropped = 0;     ///< left out because not finite
+  /// Left out because not finite; of triangles also those of exactly no area, which no ray hits (trees that
+  /// answer closest points keep these apart, for closest points alone).
+  std::size_t dropped = 0;
   std::size_t references = 0;  ///< primitive references over all leaves (≥ primitives where trees duplicate)
   std::size_t inner_nodes = 0;
   std::size_t oblique_nodes = 0;  ///< inner nodes whose plane is no axis plane (BSP)
@@ -249,6 +261,17 @@ concept NeighborIndex = requires(
 /// Rays against triangles; triangles are closed sets and hit from both sides.
 /// closest_hit: the hit of smallest t in [t_min, t_max] (ties: lower id). any_hit: whether there is one.
 /// All throw InvalidInput for a ray with a NaN, an infinite origin or direction, or a zero direction.
+///
+/// The wide trees over triangles (bvh/wide_triangles.hpp; float only) have more than every tree has:
+/// - geometry::Exact for their ray test: hits decided without an error, t rounded once; no other tree takes
+///   it.
+/// - closest_hit and any_hit of a span take a RayBatch: singly, streams (several rays in flight), packets
+///   (sixteen neighbours together) or automatic; the answers are the same.
+/// - all_hits(ray, hits): every hit in [t_min, t_max], nearest first, ties by lower id.
+/// - refit(triangles or mesh, threads): the same triangles with moved corners (not for WideCompact).
+/// - Bvh(triangles or mesh, options, build): with another builder, build(triangles, BinaryBuildOptions) →
+///   BinaryTree: build_binned (the default), build_sweep, build_spatial, build_ploc (bvh/build_*.hpp), each
+///   followed by reinserted (bvh/reinsertion.hpp) or not.
 template <class I>
 concept RayIndex = requires(const I& index, const typename I::Ray& ray, std::span<const typename I::Ray> rays,
                             std::span<Hit<typename I::Scalar>> hits, std::span<std::uint8_t> any, int threads,

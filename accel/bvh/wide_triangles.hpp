@@ -49,10 +49,17 @@ template <int N>
 struct LeafTestOf<geometry::Exact, N> {
   using Type = ExactTest<N>;
 };
+template <class Policy>
+concept HasLeafTest = requires {
+  typename LeafTestOf<Policy, 8>::Type;
+};
 }  // namespace wide
 
 template <class Policy, wide::TriangleLayout Name>
 class Bvh<Triangles<float, Policy>, Name> {
+  static_assert(wide::HasLeafTest<Policy>,
+                "wide trees over triangles take the ray tests geometry::Watertight and geometry::Exact");
+
  public:
   using Scalar = float;
   using Point = geometry::Vec<float, 3>;
@@ -62,7 +69,8 @@ class Bvh<Triangles<float, Policy>, Name> {
   using Options = WideTriangleOptions;
   using Layout = typename wide::LayoutOf<Name>::Type;
 
-  /// Throw InvalidInput for triangles that are not finite (unless they are to be dropped) or threads < 1.
+  /// Throw InvalidInput for triangles that are not finite (unless they are to be dropped), threads < 1, or a
+  /// node_cost that is not positive and finite.
   explicit Bvh(std::span<const Triangle> triangles, const Options& options = {})
       : Bvh(triangles, options, build_binned) {}
   explicit Bvh(const geometry::Mesh<float>& mesh, const Options& options = {})
@@ -129,7 +137,7 @@ class Bvh<Triangles<float, Policy>, Name> {
     check_ray(given);
     hits.clear();
     if (tree_.root == wide::no_ref) return;
-    placed(given, [&](const Ray& ray, const Point& centre, int shift) {
+    placed(given, [&](const auto& ray, const Point& centre, int shift) {
       const BoxRay box_ray(ray, centre, place_.bounds);
       const Test test(ray, centre, place_.bounds, box_ray.reach);
       wide::all(tree_.lines.data(), tree_.root, box_ray, test, ray.t_max,
@@ -180,6 +188,7 @@ class Bvh<Triangles<float, Policy>, Name> {
   template <class Build>
   Bvh(TriangleInput&& input, const Options& options, Build&& build)
       : place_(input.place()), non_finite_(options.non_finite) {
+    check_cost("node_cost", options.node_cost);
     BinaryBuildOptions how;
     how.block = how.largest_leaf = Layout::leaf_size;
     how.node_cost = options.node_cost, how.threads = options.threads;
@@ -201,12 +210,19 @@ class Bvh<Triangles<float, Policy>, Name> {
       return f(given, place_.centre, 0);
     int shift;
     const Ray ray = place_.scale.scaled(given, shift);
-    return f(ray, place_.scaled_centre, shift);
+    if constexpr (std::same_as<Policy, geometry::Exact>) {
+      const auto time = [&](float t) { return std::ldexp(t, shift); };  // an end at infinity stays there
+      const Ray open{ray.origin, ray.direction, time(given.t_min), time(given.t_max)};
+      return f(wide::ScaledRay{open, given, place_.centre, place_.scale.factor(), shift},
+               place_.scaled_centre, shift);
+    } else {
+      return f(ray, place_.scaled_centre, shift);
+    }
   }
   template <class W>
   Hit<float> closest(const Ray& given, W& work) const {
     if (tree_.root == wide::no_ref) return {};
-    return placed(given, [&](const Ray& ray, const Point& centre, int shift) {
+    return placed(given, [&](const auto& ray, const Point& centre, int shift) {
       const BoxRay box_ray(ray, centre, place_.bounds);
       const Test test(ray, centre, place_.bounds, box_ray.reach);
       NearestHit best{ray.t_max};
@@ -217,15 +233,21 @@ class Bvh<Triangles<float, Policy>, Name> {
   static Hit<float> answer(const Ray& given, int shift, const Test& test, const NearestHit& best) {
     Hit<float> hit;
     if (best.id == no_id) return hit;
-    hit.t = shift == 0 ? best.t : TriangleScale<float>::unscaled_t(best.t, shift, given);
+    const auto& leaf = Layout::triangles(*best.leaf);
+    if (shift == 0)
+      hit.t = best.t;
+    else if constexpr (requires { test.time(leaf, best.lane, shift); })
+      hit.t = test.time(leaf, best.lane, shift);
+    else
+      hit.t = TriangleScale<float>::unscaled_t(best.t, shift, given);
     hit.primitive = best.id;
-    test.weights(Layout::triangles(*best.leaf), best.lane, hit.u, hit.v);
+    test.weights(leaf, best.lane, hit.u, hit.v);
     return hit;
   }
   template <class W>
   bool any(const Ray& given, W& work) const {
     if (tree_.root == wide::no_ref) return false;
-    return placed(given, [&](const Ray& ray, const Point& centre, int) {
+    return placed(given, [&](const auto& ray, const Point& centre, int) {
       const BoxRay box_ray(ray, centre, place_.bounds);
       return wide::any(tree_.lines.data(), tree_.root, box_ray,
                        Test(ray, centre, place_.bounds, box_ray.reach), ray.t_max, work);
@@ -247,7 +269,7 @@ class Bvh<Triangles<float, Policy>, Name> {
     if constexpr (wide::WalksInPackets<Layout>) {
       wide::Packet<Layout, Test> packet;
       const auto add = [&](std::size_t i) {
-        return placed(rays[i], [&](const Ray& ray, const Point& centre, int shift) {
+        return placed(rays[i], [&](const auto& ray, const Point& centre, int shift) {
           return packet.add(ray, centre, place_.bounds, i, shift);
         });
       };
@@ -280,7 +302,7 @@ class Bvh<Triangles<float, Policy>, Name> {
   }
   template <class Flight>
   void start(Flight& flight, const Ray& given, std::size_t i) const {
-    placed(given, [&](const Ray& ray, const Point& centre, int shift) {
+    placed(given, [&](const auto& ray, const Point& centre, int shift) {
       flight.start(ray, centre, place_.bounds, tree_.root);
       flight.index = i, flight.shift = shift;
     });
