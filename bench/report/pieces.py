@@ -129,11 +129,13 @@ def matrix_table(task):
         bad = sum(cell.status in ("crashed", "timeout", "out_of_memory", "wrong") for cell in mine)
         totals.append(f'<td class="{"st-wrong" if bad else "st-ok"}">{bad}</td>')
     key = " ".join(f'<span><i class="st-{s}">{stability.LETTERS[s]}</i> {w}</span>' for s, w in stability.WORDS.items())
-    name = f"{task.name}-matrix"
+    name, asserted = f"{task.name}-matrix", sum((c.row.reason or "").startswith("an assertion") for c in cells.values())
+    note = (f'<p class="note">{asserted} of the crashes are assertions: Debian builds its Embree and PCL with them, and they '
+            "end the program where a build without them would go on to answer, rightly or not.</p>") if asserted else ""  # fmt: skip
     return (f'<p class="key">{key}</p><div class="scroll"><table class="matrix" id="{name}"><thead><tr><th></th>{head}'
             f'</tr></thead><tbody>{"".join(lines)}</tbody><tfoot><tr><th scope=row>broken cases</th>{"".join(totals)}'
             f'</tr></tfoot></table></div><p class="line" id="{name}-line" aria-live="polite">Point at a cell, or move '
-            "with the arrow keys, to read what happened there.</p>")  # fmt: skip
+            f"with the arrow keys, to read what happened there.</p>{note}")  # fmt: skip
 
 
 def _cell(cell):

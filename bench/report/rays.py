@@ -127,25 +127,36 @@ def offset_chart(task, width="container"):
         title="rays that hit the surface they leave, per million", values=[0, 100, 1e3, 1e4, 1e5, 5e5], format=",d",
         gridOpacity=0.5))  # fmt: skip
     base = alt.Chart(alt.Data(values=values)).encode(x=x, y=y, detail="line:N")
-    line = base.mark_line(strokeWidth=1.2, opacity=0.7).encode(stroke=alt.Stroke("method:N", scale=color, legend=None))
+    key = alt.Legend(title=None, orient="bottom", columns=4, labelLimit=220)
+    line = base.mark_line(strokeWidth=1.2, opacity=0.7).encode(stroke=alt.Stroke("method:N", scale=color, legend=key))
     dots = base.mark_point(strokeWidth=1.4, opacity=0.9).encode(
         size=alt.Size("size:Q", scale=None, legend=None),
-        stroke=alt.Stroke("method:N", scale=color, legend=None), shape=alt.Shape("method:N", scale=shape, legend=None),
+        stroke=alt.Stroke("method:N", scale=color, legend=key), shape=alt.Shape("method:N", scale=shape, legend=key),
         tooltip=[alt.Tooltip("line:N", title="method"), alt.Tooltip("hits:Q", format=",.0f", title="per million")])  # fmt: skip
     return alt.layer(line, dots).properties(width=width, height=260)
 
 
 def offset_note(task):
-    """The smallest offset with which a method's rays hit nothing, by method."""
-    smallest = {}
+    """The smallest offset with which a method's rays hit nothing; its builds are told apart where they differ in it."""
+    smallest, method_of = {}, {}
     for p in offset_points(task):
+        method_of[p["line"]] = p["method"]
         if p["hits"] == 0:
             smallest[p["line"]] = min(p["offset"], smallest.get(p["line"], 1))
+    agree = {m: {smallest.get(line) for line, of in method_of.items() if of == m} for m in method_of.values()}
     by_offset = {}
     for line, offset in smallest.items():
-        by_offset.setdefault(offset, []).append(line)
-    texts = (f"{o:g} for {'all' if len(by_offset) == 1 else ', '.join(lines)}" for o, lines in sorted(by_offset.items()))
+        method = method_of[line]
+        by_offset.setdefault(offset, {})[method if len(agree[method]) == 1 else line] = None
+    never = [line for line in method_of if line not in smallest]
+    texts = [f"{o:g} for {'all' if len(by_offset) == 1 and not never else ', '.join(names)}"
+             for o, names in sorted(by_offset.items())]  # fmt: skip
+    texts += [f"none of these for {', '.join(never)}"] if never else []
     return f"Smallest offset without a self-hit: {'; '.join(texts)}."
+
+
+MOVING = """Of each method that refits, its build with the fastest rays. Where the solid line leaves the dashed one, refitting
+has begun to cost the rays. Lines through the marks are the repetitions' intervals."""
 
 
 def moving_pairs(task):
@@ -162,6 +173,12 @@ def moving_pairs(task):
     return found
 
 
+def unmeasured(task):
+    """{method: words for a refit that has no figures}: some methods have none, of others it was not asked."""
+    rows = [r for r in task.soft if (r.query_set or "").endswith("_refit") and r.status == "unsupported"]
+    return {r.method: "not measured" if (r.reason or "").startswith("not measured") else "no refit" for r in rows}
+
+
 def break_even(refit, rebuilt):
     """Rays a frame from which on building anew is the cheaper: what it takes longer over what it saves a ray."""
     more = extra(rebuilt, "update_s") - extra(refit, "update_s")
@@ -173,7 +190,7 @@ def break_even(refit, rebuilt):
 
 def moving_table(task):
     """Refit against rebuild, frame by frame; methods without a refit show what a build of theirs costs."""
-    parts = []
+    parts, words = [], unmeasured(task)
     for (dataset, n), methods in moving_pairs(task).items():
         lines, seen = [], {method for (method, _), frames in methods.items() if any("refit" in k for k in frames.values())}
         for (method, knobs), frames in methods.items():
@@ -186,7 +203,7 @@ def moving_table(task):
                 refit, rebuilt = kinds.get("refit"), kinds.get("rebuilt")
                 cells = [duration(1e9 * extra(r, "update_s")) if r else "–" for r in (refit, rebuilt)]
                 cells += [duration(r.query_ns) if r else "–" for r in (refit, rebuilt)]
-                cells.append(break_even(refit, rebuilt) if refit and rebuilt else "no refit")
+                cells.append(break_even(refit, rebuilt) if refit and rebuilt else words.get(method, "no refit"))
                 lines.append("<tr>" + "".join(f"<td>{esc(str(c))}</td>" for c in (method, knobs, frame, *cells)) + "</tr>")
         heads = ("method", "built with", "frame", "refit", "rebuild", "ray after refit", "ray after rebuild", "rebuilding pays")
         head = "".join(f"<th scope=col>{h}</th>" for h in heads)
@@ -200,28 +217,53 @@ def moving_table(task):
             + "".join(parts))  # fmt: skip
 
 
-def moving_chart(task, width="container"):
-    """Time of a frame against the rays that it casts, refit and rebuild, for methods that have both."""
-    values = []
+KINDS = {"refit": "after refit", "rebuilt": "after rebuild"}
+
+
+def moving_points(task):
+    """Of each method that has both, the build whose rays are fastest after it was made anew, frame by frame."""
     for (dataset, n), methods in moving_pairs(task).items():
-        for (method, knobs), frames in methods.items():
+        both = {k: f for k, frames in methods.items() if (f := {n: k for n, k in frames.items() if KINDS.keys() <= k.keys()})}
+        best = {}
+        for (method, knobs), frames in both.items():
+            fastest = sum(kinds["rebuilt"].query_ns for kinds in frames.values()) / len(frames)
+            if method not in best or fastest < best[method][0]:
+                best[method] = fastest, knobs, frames
+        for method, (_, knobs, frames) in best.items():
             for frame, kinds in frames.items():
-                if {"refit", "rebuilt"} <= kinds.keys():
-                    for name, row in kinds.items():
-                        values.append({"frame": frame, "ns": row.query_ns, "kind": name, "method": method, "dataset": dataset,
-                                       "lo": row.query_ns_low or row.query_ns, "hi": row.query_ns_high or row.query_ns,
-                                       "line": f"{dataset}, {method} {name}"})  # fmt: skip
+                for kind, words in KINDS.items():
+                    row = kinds[kind]
+                    yield {"frame": frame, "ns": row.query_ns, "kind": words, "method": method, "knobs": knobs,
+                           "lo": row.query_ns_low or row.query_ns, "hi": row.query_ns_high or row.query_ns,
+                           "dataset": dataset, "line": f"{dataset}, {method}, {words}"}  # fmt: skip
+
+
+def moving_chart(task, width="container"):
+    """Time per ray against the frames since the build, after refit and after rebuild, for methods that have both."""
+    values = list(moving_points(task))
     if not values:
         return None
+    looks = {m: look for m, look in task.looks.items() if any(v["method"] == m for v in values)}
+    color, shape = charts._scales(looks)
+    frames = sorted({v["frame"] for v in values})
+    key = alt.Legend(title=None, orient="top", columns=3, labelLimit=300)
+    dashed = alt.Legend(title=None, orient="top", symbolType="stroke", symbolSize=300, symbolStrokeColor=charts.INK)
     base = alt.Chart(alt.Data(values=values)).encode(
         x=alt.X("frame:Q", scale=alt.Scale(type="log", base=2, nice=False, padding=14),
-                axis=alt.Axis(title="frames after the build", values=[1, 2, 4, 8, 16, 32], format="d", gridOpacity=0.5)),
-        color=alt.Color("line:N", legend=alt.Legend(title=None, orient="top", columns=1, labelLimit=300)))  # fmt: skip
-    y = alt.Axis(title="time per ray", labelExpr=charts.DURATION, gridOpacity=0.5)
-    scale = alt.Scale(zero=True)
-    line = base.mark_line(strokeWidth=1.6).encode(y=alt.Y("ns:Q", axis=y, scale=scale))
+                axis=alt.Axis(title="frames after the build, log", values=frames, format="d", gridOpacity=0.5)),
+        stroke=alt.Stroke("method:N", scale=color, legend=key), detail="line:N")  # fmt: skip
+    y = alt.Axis(title="time per ray, log", labelExpr=charts._round("y") + charts.DURATION, tickCount=30, gridOpacity=0.5,
+                 labelOverlap="parity")  # fmt: skip
+    scale = alt.Scale(type="log", nice=False, padding=14)
+    line = base.mark_line(strokeWidth=1.6).encode(
+        y=alt.Y("ns:Q", axis=y, scale=scale),
+        strokeDash=alt.StrokeDash("kind:N", legend=dashed, sort=None,
+                                  scale=alt.Scale(domain=list(KINDS.values()), range=[[1, 0], [5, 3]])))  # fmt: skip
     rule = base.mark_rule(strokeWidth=1.2).encode(y=alt.Y("lo:Q", axis=y, scale=scale), y2="hi:Q")
-    dots = base.mark_point(size=40, filled=True).encode(y=alt.Y("ns:Q", axis=y, scale=scale), tooltip="line:N")
+    tooltip = [alt.Tooltip("line:N", title="method"), alt.Tooltip("knobs:N", title="built with"),
+               alt.Tooltip("frame:Q"), alt.Tooltip("ns:Q", title="ns a ray", format=",.0f")]  # fmt: skip
+    dots = base.mark_point(size=44, strokeWidth=1.6, fill="transparent").encode(
+        y=alt.Y("ns:Q", axis=y, scale=scale), shape=alt.Shape("method:N", scale=shape, legend=key), tooltip=tooltip)
     return alt.layer(line, rule, dots).properties(width=width, height=240)
 
 
@@ -230,4 +272,4 @@ def chart_list(task):
     if chart := offset_chart(task):
         yield f"{task.name}-offset", "Self-intersection: how far off must a ray start?", offset_note(task), chart
     if chart := moving_chart(task):
-        yield f"{task.name}-moving", "Moving vertices: rays after refit and after rebuild", "", chart
+        yield f"{task.name}-moving", "Moving vertices: rays after refit and after rebuild", MOVING, chart
