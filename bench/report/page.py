@@ -32,9 +32,9 @@ def build(rows, pictures, title="Treeline: speed against accuracy"):
             data["charts"].append({"id": figure.name, "kind": "fixed", "task": task.name, "dataset": figure.dataset,
                                    "title": figure.title, "spec": charts.theme(figure.chart).to_dict()})  # fmt: skip
         fixed = list(rays.chart_list(task))
-        for name, title, _, chart in fixed:
-            spec = charts.theme(chart).to_dict()
-            data["charts"].append({"id": name, "kind": "fixed", "task": task.name, "dataset": "", "title": title, "spec": spec})
+        for name, heading, _, chart in fixed:
+            data["charts"].append({"id": name, "kind": "fixed", "task": task.name, "dataset": "", "title": heading,
+                                   "spec": charts.theme(chart).to_dict()})  # fmt: skip
         data["tasks"][task.name] = {"element": task.text.element, "queryWord": task.text.query,
                                     "runs": task.runs or [0], "threads": task.threads or [None]}  # fmt: skip
         mine = [p for p in pictures if p.task == task.name]
@@ -87,8 +87,8 @@ def _nav(task, pictures, cards):
 
 def _head(rows):
     """What was measured, on what, and with whose versions."""
-    tasks = ", ".join(dict.fromkeys(r.task for r in rows))
-    parts = [f"<p>{len(rows):,} cells of the tasks {esc(tasks)}.</p>"]
+    tasks = list(dict.fromkeys(r.task for r in rows))
+    parts = [f"<p>{len(rows):,} cells of the task{'s' if len(tasks) > 1 else ''} {esc(', '.join(tasks))}.</p>"]
     lines = []
     for k, run in enumerate(rows.runs):
         mine = [r for r in rows if r.run == k]

@@ -252,9 +252,8 @@ def moving_chart(task, width="container"):
         x=alt.X("frame:Q", scale=alt.Scale(type="log", base=2, nice=False, padding=14),
                 axis=alt.Axis(title="frames after the build, log", values=frames, format="d", gridOpacity=0.5)),
         stroke=alt.Stroke("method:N", scale=color, legend=key), detail="line:N")  # fmt: skip
-    y = alt.Axis(title="time per ray, log", labelExpr=charts._round("y") + charts.DURATION, tickCount=30, gridOpacity=0.5,
-                 labelOverlap="parity")  # fmt: skip
-    scale = alt.Scale(type="log", nice=False, padding=14)
+    y = alt.Axis(title="time per ray", labelExpr=charts.DURATION, tickCount=6, gridOpacity=0.5)
+    scale = alt.Scale(zero=True)
     line = base.mark_line(strokeWidth=1.6).encode(
         y=alt.Y("ns:Q", axis=y, scale=scale),
         strokeDash=alt.StrokeDash("kind:N", legend=dashed, sort=None,

@@ -8,7 +8,7 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
 import report_fixture as fixture
-from bench.report import claims, ledger, model, pieces, rays, rows
+from bench.report import claims, ledger, model, page, pieces, rays, rows
 from report_made import METHOD, made, read, read_text
 
 BVH, BSP = ("bvh", "bvh", "ours", "exact"), ("bsp_tree", "bsp", "ours", "exact")
@@ -244,6 +244,13 @@ class RayFigures(unittest.TestCase):
             task = self.task(frame("refit", *refit), frame("rebuilt", *rebuilt))
             self.assertIn(words.replace("100,000", "1e5"), rays.moving_table(task).replace("100,000", "1e5"))
             self.assertIsNotNone(rays.moving_chart(task))
+
+    def test_the_page_keeps_its_title_where_there_are_charts_of_rays(self):
+        frame = lambda kind: ray(EMBREE, query_set=f"frame8_{kind}", ray_update_s=0.1)
+        text = page.build(read(frame("refit"), frame("rebuilt")), [])
+        self.assertIn("<h1>Treeline: speed against accuracy</h1>", text)
+        self.assertIn("cells of the task ray.", text)
+        self.assertIn('id="ray-moving"', text)
 
     def test_crashes_that_are_assertions_are_told_apart(self):
         case = lambda reason: ray(EMBREE, None, dataset="nan_rays", hard=True, query_set="closest", status="crashed",
