@@ -25,9 +25,9 @@ def select(task, name, label, options):
 
 def legend(task):
     """All methods with their marks; pointing at one shows it alone."""
-    parts = []
+    parts, charted = [], {r.method for r in (*task.soft, *task.scaling)}  # some face hard cases only
     for source, words in (("ours", "Ours (filled)"), ("peer", "Peers (hollow)")):
-        looks = [look for look in task.looks.values() if look.source == source]
+        looks = [look for look in task.looks.values() if look.source == source and look.method in charted]
         if looks:
             chips = "".join(
                 f'<button type="button" data-method="{esc(look.method)}" aria-pressed="false">'

@@ -219,6 +219,24 @@ class RayFigures(unittest.TestCase):
         self.assertIn("16.5k", rays.hard_table(task))
         self.assertEqual(rays.hard_table(self.task(ray(BVH_RAY))), "")
 
+    def test_a_ray_that_goes_through_to_what_lies_behind_has_not_missed_yet_it_errs(self):
+        case = lambda name, **values: ray(EMBREE, dataset=name, hard=True, query_set="closest", ray_judged=1000,
+                                          **({"ray_missing": 0, "ray_false_misses": 0} | values))  # fmt: skip
+        crash = ray(EMBREE, None, dataset="nan", hard=True, query_set="closest", status="crashed")
+        _, lines, clean = rays.hard_lines(self.task(case("far", ray_false_misses=36), case("easy"), case("nan"), crash))
+        self.assertEqual([(c, words, *values.values()) for c, words, values, _ in lines], [("far", "what lies behind", "36k")])
+        self.assertEqual(clean, ["easy"], "a crash is no answer without an error")
+        self.assertEqual([rays.share(v) for v in (0, 999, 10_000, 999_400, 1e6)], ["0", "999", "10k", "999k", "all"])
+
+    def test_methods_that_agree_share_a_curve(self):
+        out = lambda method, offset, hits: ray(method, dataset="ball", hard=True, query_set=f"offset_{offset}",
+                                               ray_self_hits_per_million=hits)  # fmt: skip
+        alike = [out(BVH_RAY, "0", 521_600.0), out(EMBREE, "0", 522_600.0), out(BVH_RAY, "1e-6", 0.0), out(EMBREE, "1e-6", 0.0)]
+        (methods, curve), = rays.offset_curves(self.task(*alike))
+        self.assertEqual((methods, curve), (["bvh", "embree_single"], {0.0: 521_600.0, 1e-6: 0.0}))
+        self.assertIn("one line stands for all", rays.offset_note(self.task(*alike)))
+        self.assertEqual(len(rays.offset_curves(self.task(*alike, out(KD_RAY, "0", 400_000.0)))), 2)
+
     def test_the_smallest_offset_without_a_self_hit(self):
         out = lambda method, offset, hits: ray(method, dataset="ball", hard=True, query_set=f"offset_{offset}",
                                                ray_self_hits_per_million=hits)  # fmt: skip
