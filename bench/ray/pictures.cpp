@@ -337,8 +337,8 @@ constexpr std::size_t largest_sliced = 3000;
 void draw_slices(const std::vector<Method>& methods, const BlockSpec& spec, const RunContext& context,
                  Gallery& gallery) {
   const auto dataset = datasets::generate(spec.dataset, std::min(spec.n, largest_sliced), context.seed);
-  const geometry::Box3d box(dataset.mesh.box());
-  const Vec3d sides = box.extent();
+  const auto box = dataset.mesh.box();
+  const auto sides = box.extent();
   // Square to the shortest side: of a house on its ground that is a plan, the other cuts are hardly a line.
   const int axis = static_cast<int>(std::min_element(&sides[0], &sides[0] + 3) - &sides[0]);
   for (const Method& method : methods) {
@@ -346,7 +346,7 @@ void draw_slices(const std::vector<Method>& methods, const BlockSpec& spec, cons
     if (method.info.hard_cases_only) continue;
     if (method.info.claim != Claim::bounded) continue;  // the same tree with another test at its leaves
     const auto index = method.build(dataset.mesh, method.info.build_knobs.front(), context.threads);
-    const auto cells = index->slice(axis, box.centre()[axis]);
+    const auto cells = index->slice(axis, double(box.centre()[axis]));
     if (cells.empty()) continue;
     const std::string what = "slice_" + method.info.name + ".svg";
     write_slice_svg(gallery.path(what), cells);
