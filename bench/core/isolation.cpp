@@ -211,8 +211,10 @@ Ending run_isolated(const std::function<void(const Send&)>& work, const Limits& 
     if (signal == SIGKILL) return {Status::out_of_memory, with_tail("killed by the system", tail)};
     if (tail.find("std::bad_alloc") != std::string::npos)  // it could not unwind, and aborted
       return {Status::out_of_memory, with_tail("memory limit reached", tail)};
-    return {Status::crashed,
-            with_tail("signal " + std::to_string(signal) + " (" + strsignal(signal) + ")", tail)};
+    std::string how = "signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
+    if (signal == SIGABRT && tail.find("Assertion `") != std::string::npos)
+      how = "an assertion that its package was built with failed, " + how;
+    return {Status::crashed, with_tail(std::move(how), tail)};
   }
   const int code = WEXITSTATUS(status);
   if (code == exit_done && reader.ended()) return {};

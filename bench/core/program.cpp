@@ -13,6 +13,7 @@
 #include "bench/core/isolation.hpp"
 #include "bench/core/measure.hpp"
 #include "bench/core/probe.hpp"
+#include "bench/core/rounding.hpp"
 #include "bench/core/selection.hpp"
 #include "bench/core/stress.hpp"
 #include "bench/core/table.hpp"
@@ -59,7 +60,7 @@ class Program {
   void show_each_thread_count(const std::vector<Row>&, const std::vector<int>& thread_counts,
                               Progress&) const;
   std::unique_ptr<Block> open(BlockSpec&);
-  Broken trial(const BlockSpec&, const std::vector<std::string>& sets = {});
+  Broken trial(const BlockSpec&, Progress&, const std::vector<std::string>& sets = {});
   std::vector<BlockSpec> blocks();
   int finish() const;
 
@@ -97,6 +98,8 @@ std::vector<BlockSpec> Program::blocks() {
   input_ = read_input(options_.input, task_.dataset_kind());
   input_->seed = options_.context.seed;  // of its queries: a file has none of its own
   for (const std::string& note : input_->notes) fmt::print(stderr, "{}: {}\n", options_.input, note);
+  if (const std::string remedy = format_remedy(*input_); !remedy.empty())
+    fmt::print(stderr, "{}: {}\n", options_.input, remedy);
   return {{input_->name, input_->size(), false}};
 }
 
@@ -110,7 +113,7 @@ std::unique_ptr<Block> Program::open(BlockSpec& spec) {
 }
 
 /// Recipes are known to crash nobody, but what a user's file does to a peer shows only there.
-Broken Program::trial(const BlockSpec& spec, const std::vector<std::string>& sets) {
+Broken Program::trial(const BlockSpec& spec, Progress& progress, const std::vector<std::string>& sets) {
   const bool needed = input_.has_value();
   if (!needed) return {};
   Limits limits = trial_limits;
@@ -118,7 +121,8 @@ Broken Program::trial(const BlockSpec& spec, const std::vector<std::string>& set
   try {
     return try_peers(
         task_, spec, [&] { return task_.open(*input_, options_.context); },
-        {filter_, file_, sets, options_.context.threads}, limits);
+        {filter_, file_, sets, options_.context.threads}, limits,
+        [&](const std::string& at) { progress.step(0, "trying " + at); });
   } catch (const std::exception& e) {
     throw UsageError(fmt::format("{}: {}", spec.label(), e.what()));
   }
@@ -157,8 +161,9 @@ void Program::run_blocks() {
   const std::vector<int> counts = options_.scaling ? thread_counts() : std::vector<int>{};
   for (std::size_t k = 0; k < specs.size(); ++k) {
     progress.block(k, specs[k].label());
-    const Broken broken = trial(specs[k]);
+    const Broken broken = trial(specs[k], progress);
     alone.reset();
+    progress.step(0, "making the queries");
     const auto block = open(specs[k]);
     const auto rows = harness.run(facts_of(task_, specs[k], *block), *block, progress, {}, broken, counts);
     // A recipe is input that can be answered; a user's file may rightly be refused.
@@ -211,25 +216,6 @@ std::string shell_word(const std::string& argument) {
   return out + "'";
 }
 
-/// What it costs that a file's coordinates were made floats, in its own unit.
-std::string format_rounding(const datasets::Dataset& input, const Block& block) {
-  if (!(input.rounding > 0)) return "";
-  if (block.in_double())
-    return fmt::format(
-        "  input  read as doubles, and errors are against these; float moves coordinates by up to {:.2g} "
-        "(the "
-        "file's unit)\n",
-        input.rounding);
-  return fmt::format(
-      "  input  coordinates were rounded to float, which moved them by up to {:.2g} (the file's unit); "
-      "errors "
-      "above are\n         against the rounded ones{}\n",
-      input.rounding,
-      input.kind == datasets::Kind::cloud
-          ? "; Bvh<Points<double, 3>, Wide> and KdTree<Points<double, 3>> take doubles"
-          : "");
-}
-
 int Program::run_advice() {
   Timer timer(options_.context.profile, options_.benchmark);
   std::optional<SingleThreaded> alone(std::in_place);  // until peers have been tried in children
@@ -240,8 +226,9 @@ int Program::run_advice() {
   bool all_met = true;
   for (std::size_t k = 0; k < specs.size(); ++k) {
     progress.block(k, specs[k].label());
-    const Broken broken = trial(specs[k], sets);
+    const Broken broken = trial(specs[k], progress, sets);
     alone.reset();
+    progress.step(0, "making the queries");
     const auto block = open(specs[k]);
     const auto rows = harness.run(facts_of(task_, specs[k], *block), *block, progress, sets, broken);
     outcome_.add(rows, false);
@@ -255,7 +242,7 @@ int Program::run_advice() {
                     shell_word(options_.program), input, options_.context.seed, options_.context.threads);
     fmt::print(options_.quiet() ? stderr : stdout, "{}",
                format_advice(advice, *options_.advise, again) +
-                   (input_ ? format_rounding(*input_, *block) : "") + format_busy(rows));
+                   (input_ ? format_rounding(*input_, block->in_double()) : "") + format_busy(rows));
   }
   const int ended = finish();
   return all_met ? ended : exit_failed;

@@ -70,6 +70,9 @@ class Block {
  public:
   virtual ~Block() = default;
   virtual const std::vector<QuerySet>& query_sets() const = 0;
+  /// Makes what the method's library sets up once a process (devices, thread pools, caches): neither timed
+  /// nor counted, so that the first build costs what every other one does. Called before build().
+  virtual void warm_up(std::size_t m, int threads) { (void)m, (void)threads; }
   /// Builds method number m (an index into Task::methods()); timed and its allocations counted by the
   /// harness. Throws to refuse the input.
   virtual std::unique_ptr<Subject> build(std::size_t m, const Knobs& build_knobs, int threads) = 0;

@@ -32,9 +32,9 @@ def build(rows, pictures, title="Treeline: speed against accuracy"):
             data["charts"].append({"id": figure.name, "kind": "fixed", "task": task.name, "dataset": figure.dataset,
                                    "title": figure.title, "spec": charts.theme(figure.chart).to_dict()})  # fmt: skip
         fixed = list(rays.chart_list(task))
-        for name, title, _, chart in fixed:
-            spec = charts.theme(chart).to_dict()
-            data["charts"].append({"id": name, "kind": "fixed", "task": task.name, "dataset": "", "title": title, "spec": spec})
+        for name, heading, _, chart in fixed:
+            data["charts"].append({"id": name, "kind": "fixed", "task": task.name, "dataset": "", "title": heading,
+                                   "spec": charts.theme(chart).to_dict()})  # fmt: skip
         data["tasks"][task.name] = {"element": task.text.element, "queryWord": task.text.query,
                                     "runs": task.runs or [0], "threads": task.threads or [None]}  # fmt: skip
         mine = [p for p in pictures if p.task == task.name]
@@ -81,6 +81,8 @@ def _nav(task, pictures, cards):
         links.append(f'<a href="#{name}-stability">Stability</a>')
     if rays.hard_lines(task)[1]:
         links.append(f'<a href="#{name}-figures">Hard cases in figures</a>')
+    if rays.moving_pairs(task):
+        links.append(f'<a href="#{name}-frames">Moving vertices</a>')
     if pictures:
         links.append(f'<a href="#{name}-pictures">Pictures</a>')
     return "".join(links)
@@ -183,12 +185,13 @@ def _section(task, rows, listed, fixed, pictures, cards):
         blocks.append(f'<h3 id="{name}-stability">Stability: the hard cases</h3>{matrix}')
     if figures := rays.hard_table(task):
         blocks.append(f'<h3 id="{name}-figures">Hard cases in figures</h3>{figures}')
+    boxes = {chart: f'<div class="fixed-charts"><div class="chart fixed"><h4>{esc(title)}</h4>'
+             f'<div id="{chart}" class="plot"></div><p class="note">{esc(note)}</p></div></div>'
+             for chart, title, note, _ in fixed}  # fmt: skip
+    blocks.append(boxes.get(f"{name}-offset", ""))
     if moving := rays.moving_table(task):
-        blocks.append(f'<h3 id="{name}-frames">Moving vertices: refit or rebuild?</h3>{moving}')
-    if fixed:
-        boxes = "".join(f'<div class="chart fixed"><h4>{esc(title)}</h4><div id="{chart}" class="plot"></div>'
-                        f'<p class="note">{esc(note)}</p></div>' for chart, title, note, _ in fixed)  # fmt: skip
-        blocks.append(f'<div class="fixed-charts">{boxes}</div>')
+        chart = boxes.get(f"{name}-moving", "")
+        blocks.append(f'<h3 id="{name}-frames">Moving vertices: refit or rebuild?</h3>{chart}{moving}')
     if pictures:
         blocks.append(f'<h3 id="{name}-pictures">Pictures</h3>{pieces.gallery(pictures)}')
     return "".join(blocks) + "</section>"

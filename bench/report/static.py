@@ -82,7 +82,8 @@ def _matrix(task, cases, columns, cells):
     values = [{"case": c, "method": column.label, "status": cell.status, "letter": cell.letter}
               for (c, column), cell in cells.items()]
     base = alt.Chart(alt.Data(values=values)).encode(
-        x=alt.X("method:N", sort=[c.label for c in columns], axis=alt.Axis(title=None, orient="top", labelAngle=-45)),
+        x=alt.X("method:N", sort=[c.label for c in columns],
+                axis=alt.Axis(title=None, orient="top", labelAngle=-45, labelLimit=300)),
         y=alt.Y("case:N", sort=cases, axis=alt.Axis(title=None, labelLimit=260)))  # fmt: skip
     color = alt.Color("status:N", scale=alt.Scale(domain=list(COLORS), range=list(COLORS.values())))
     chart = alt.layer(base.mark_rect(stroke="white").encode(color=color),
