@@ -1,17 +1,19 @@
-// Wide bounding volume hierarchy over triangles: the fastest index here for rays.
+// Wide bounding volume hierarchy over triangles: the fastest index here for rays and for closest points.
 //
 // Eight child boxes a node and eight triangles a leaf (WideOf: other numbers), each measured by one pass of
 // vector instructions (Wald, Benthin and Boulos 2008; Ernst and Greiner 2008), children visited in order of
 // distance without a branch on how many were met. Layout, box test, triangle test and traversal are described
 // in wide_triangle_layout.hpp, wide_ray.hpp and wide_woop.hpp, the way there in build_binned.hpp and
-// wide_collapse.hpp; any builder of binary trees can take the place of the default. Cost: O(n log n) to
-// build, O(log n) expected per ray, about 50 bytes a triangle, its corners included. Known weakness: float's,
-// for triangles seen edge-on (see wide_woop.hpp); one ray at a time waits for memory at every level where the
-// tree outgrows the caches.
+// wide_collapse.hpp; any builder of binary trees can take the place of the default. Closest points are found
+// in the same tree (wide_closest_search.hpp), and among the triangles of no area in a second one, if there
+// are any. Cost: O(n log n) to build, O(log n) expected per ray, about 50 bytes a triangle, its corners
+// included. Known weakness: float's, for triangles seen edge-on (see wide_woop.hpp); one ray at a time waits
+// for memory at every level where the tree outgrows the caches.
 #pragma once
 
 #include "accel/bvh/build_binned.hpp"
 #include "accel/bvh/triangle_input.hpp"
+#include "accel/bvh/wide_closest_queries.hpp"
 #include "accel/bvh/wide_collapse.hpp"
 #include "accel/bvh/wide_exact.hpp"
 #include "accel/bvh/wide_packet.hpp"
@@ -56,7 +58,9 @@ concept HasLeafTest = requires {
 }  // namespace wide
 
 template <class Policy, wide::TriangleLayout Name>
-class Bvh<Triangles<float, Policy>, Name> {
+class Bvh<Triangles<float, Policy>, Name>
+    : public WideClosestQueries<Bvh<Triangles<float, Policy>, Name>, typename wide::LayoutOf<Name>::Type> {
+  friend WideClosestQueries<Bvh, typename wide::LayoutOf<Name>::Type>;
   static_assert(wide::HasLeafTest<Policy>,
                 "wide trees over triangles take the ray tests geometry::Watertight and geometry::Exact");
 
@@ -166,10 +170,11 @@ class Bvh<Triangles<float, Policy>, Name> {
     place_ = input.place();
     if (input.triangles().empty()) place_.bounds = {Point{}, Point{}};
     refit.run(threads);
+    set_aside(input, threads);
     count_triangles(input);
   }
 
-  /// Number of triangles kept.
+  /// Number of triangles kept: those that rays can hit.
   std::size_t size() const { return stats_.primitives; }
   std::size_t bytes() const { return stats_.bytes; }
   TreeStats stats() const { return stats_; }
@@ -194,12 +199,31 @@ class Bvh<Triangles<float, Policy>, Name> {
     how.node_cost = options.node_cost, how.threads = options.threads;
     const BinaryTree binary = build(input.triangles(), how);
     tree_ = wide::Collapse<Layout>(binary, input.triangles(), input.ids(), options.threads).run();
+    built_size_ = input.triangles().size();
+    set_aside(input, options.threads);
     count(input);
+  }
+  /// Keeps the triangles of no area in a tree of their own.
+  void set_aside(const TriangleInput& input, int threads) {
+    const TriangleInput rest = input.without_area(threads);
+    aside_ = {};
+    if (rest.triangles().empty()) return;
+    BinaryBuildOptions how;
+    how.block = how.largest_leaf = Layout::leaf_size, how.threads = threads;
+    aside_ = {rest.place(), wide::Collapse<Layout>(build_binned(rest.triangles(), how), rest.triangles(),
+                                                   rest.ids(), threads)
+                                .run()};
   }
   void count(const TriangleInput& input);
   void count_triangles(const TriangleInput& input) {
     stats_.primitives = input.triangles().size(), stats_.dropped = input.dropped();
     stats_.sah_cost = tree_.sah_cost;
+    stats_.bytes = sizeof(*this) + tree_.lines.bytes() + aside_.tree.lines.bytes();
+  }
+  template <class F>
+  void each_closest_space(F&& f) const {
+    f(wide::ClosestSpace{tree_, place_, size() < built_size_});
+    if (aside_.tree.root != wide::no_ref) f(wide::ClosestSpace{aside_.tree, aside_.place, false, false});
   }
 
   /// Calls f(ray, centre, shift): the ray moved by -centre is in the tree's space, its t the given ray's
@@ -311,6 +335,11 @@ class Bvh<Triangles<float, Policy>, Name> {
   TriangleInput::Place place_;
   NonFinite non_finite_;
   wide::RayTree tree_;
+  struct Aside {
+    TriangleInput::Place place;
+    wide::RayTree tree;
+  } aside_;
+  std::size_t built_size_ = 0;
   TreeStats stats_;
 };
 
@@ -319,7 +348,6 @@ void Bvh<Triangles<float, Policy>, Name>::count(const TriangleInput& input) {
   count_triangles(input);
   stats_.references = tree_.references, stats_.inner_nodes = tree_.nodes, stats_.leaves = tree_.leaves;
   stats_.depth = tree_.depth, stats_.largest_leaf = tree_.largest_leaf;
-  stats_.bytes = sizeof(*this) + tree_.lines.bytes();
 }
 
 template <class Policy, wide::TriangleLayout Name>
@@ -358,6 +386,7 @@ std::vector<SliceCell> Bvh<Triangles<float, Policy>, Name>::slice(int axis, doub
 }
 
 static_assert(RayIndex<Bvh<Triangles<float, geometry::Watertight>, Wide>>);
+static_assert(ClosestPointIndex<Bvh<Triangles<float, geometry::Watertight>, Wide>>);
 static_assert(Inspectable<Bvh<Triangles<float, geometry::Watertight>, Wide>>);
 
 }  // namespace treeline::accel
