@@ -10,6 +10,7 @@
 // double, which those of floats do.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -65,6 +66,19 @@ class Expansion {
   std::vector<double> parts_;
 };
 
+/// How a ray, all of it from its origin on, passes a triangle.
+struct Crossing {
+  enum class Kind : std::uint8_t {
+    none,
+    inward,   ///< through its inside, against the normal: the origin is in front
+    outward,  ///< through its inside, along the normal: the origin is behind
+    touch,    ///< through an edge or a corner, or the ray lies in the triangle's plane
+    start     ///< the origin is a point of the triangle
+  };
+  Kind kind = Kind::none;
+  double low = 0, high = 0;  ///< bounds on t; 0 for `start`, and for rays in the plane
+};
+
 class ExactRay {
  public:
   /// The origin is origin - centre.
@@ -79,34 +93,64 @@ class ExactRay {
 
   /// The hit with t in [t_min, t_max], if there is one.
   std::optional<TriangleHit<float>> operator()(const Triangle<float>& triangle, float t_max) const {
-    const Vec3d a = Vec3d(triangle.a) - origin_, b = Vec3d(triangle.b) - origin_,
-                c = Vec3d(triangle.c) - origin_;
-    Bounded edge[3] = {edge_of(c, b), edge_of(a, c), edge_of(b, a)};
-    const bool certain =
-        origin_is_exact_ && edge[0].is_certain() && edge[1].is_certain() && edge[2].is_certain();
-    int sign[3];
-    for (int i = 0; i < 3; ++i) sign[i] = edge[i].value > 0 ? 1 : -1;
-    if (!certain) {
-      const Vec<float, 3>* const corner[3] = {&triangle.a, &triangle.b, &triangle.c};
-      for (int i = 0; i < 3; ++i)
-        if (!origin_is_exact_ || !edge[i].is_certain()) {
-          const Expansion exact = exact_edge(*corner[(i + 2) % 3], *corner[(i + 1) % 3]);
-          sign[i] = exact.sign();
-          edge[i].value = exact.rounded_value().value;
-        }
-    }
-    const bool negative =
-        sign[0] < 0 || sign[1] < 0 || sign[2]<0, positive = sign[0]> 0 || sign[1] > 0 || sign[2] > 0;
-    if (negative == positive) return {};  // on both sides; or all zero: in its plane
+    const Edges edge = edges(triangle);
+    if (edge.negative == edge.positive) return {};  // on both sides; or all zero: in its plane
     float t;
-    if (!time(triangle, a, double(t_max), t)) return {};
-    const double sum = edge[0].value + edge[1].value + edge[2].value;
-    return TriangleHit<float>{t, static_cast<float>(edge[1].value / sum),
-                              static_cast<float>(edge[2].value / sum)};
+    if (!time(triangle, double(t_max), t)) return {};
+    const double sum = edge.value[0] + edge.value[1] + edge.value[2];
+    return TriangleHit<float>{t, static_cast<float>(edge.value[1] / sum),
+                              static_cast<float>(edge.value[2] / sum)};
+  }
+
+  /// How the ray passes the triangle, whatever its t_min and t_max. Cost: as of a hit.
+  Crossing crossing(const Triangle<float>& triangle) const {
+    using Kind = Crossing::Kind;
+    const Edges edge = edges(triangle);
+    if (edge.negative && edge.positive) return {};
+    if (!edge.negative && !edge.positive) return {Kind::touch};
+    const Quotient t = quotient(triangle);
+    int height = t.above.value > 0 ? 1 : -1;  // of the first corner above the origin, along the normal
+    if (!origin_is_exact_ || !t.above.is_certain()) height = exact_height(triangle);
+    if (height == 0) return {Kind::start};
+    const int along = edge.negative ? 1 : -1;  // direction and normal
+    if (height != along) return {};            // behind the origin
+    Crossing r{edge.zero ? Kind::touch : along > 0 ? Kind::outward : Kind::inward};
+    if (origin_is_exact_ && t.share < 0x1p-20) {
+      r.low = t.value - t.error, r.high = t.value + t.error;
+    } else {
+      float rounded;
+      exact_time(triangle, infinity, rounded);
+      r.low = double(std::nextafter(rounded, 0.0f));
+      r.high = double(std::nextafter(rounded, std::numeric_limits<float>::infinity()));
+    }
+    return r;
   }
 
  private:
   static constexpr double unit = 0x1p-53;
+  struct Edges {
+    double value[3];
+    bool negative = false, positive = false, zero = false;
+  };
+  /// The edge functions and their signs.
+  Edges edges(const Triangle<float>& triangle) const {
+    const Vec3d a = Vec3d(triangle.a) - origin_, b = Vec3d(triangle.b) - origin_,
+                c = Vec3d(triangle.c) - origin_;
+    const Bounded edge[3] = {edge_of(c, b), edge_of(a, c), edge_of(b, a)};
+    Edges r;
+    for (int i = 0; i < 3; ++i) {
+      r.value[i] = edge[i].value;
+      int sign = edge[i].value > 0 ? 1 : -1;
+      if (!origin_is_exact_ || !edge[i].is_certain()) {
+        const Vec<float, 3>* const corner[3] = {&triangle.a, &triangle.b, &triangle.c};
+        const Expansion exact = exact_edge(*corner[(i + 2) % 3], *corner[(i + 1) % 3]);
+        sign = exact.sign();
+        r.value[i] = exact.rounded_value().value;
+      }
+      r.negative = r.negative || sign < 0, r.positive = r.positive || sign > 0, r.zero = r.zero || sign == 0;
+    }
+    return r;
+  }
   static constexpr double filter = 16 * unit;  // twice what Shewchuk finds for orient3d
 
   struct Bounded {
@@ -127,17 +171,28 @@ class ExactRay {
   }
   Bounded edge_of(const Vec3d& p, const Vec3d& q) const { return volume(direction_, p, q); }
 
-  /// False if t lies outside [t_min, t_max].
-  bool time(const Triangle<float>& triangle, const Vec3d& a, double t_max, float& t) const {
+  struct Quotient {
+    Bounded above;
+    double value, share, error;  // error: of the value, if its share of it is small and the origin exact
+  };
+  /// t in double.
+  Quotient quotient(const Triangle<float>& triangle) const {
+    const Vec3d a = Vec3d(triangle.a) - origin_;
     const Vec3d ab = Vec3d(triangle.b) - Vec3d(triangle.a), ac = Vec3d(triangle.c) - Vec3d(triangle.a);
     const Bounded above = volume(a, ab, ac), below = volume(direction_, ab, ac);
     const double quotient = above.value / below.value;
     const double share =
         above.error() / std::abs(above.value) + below.error() / std::abs(below.value) + 4 * unit;
-    const double error = std::abs(quotient) * share * 1.01;
+    return {above, quotient, share, std::abs(quotient) * share * 1.01};
+  }
+  /// False if t lies outside [t_min, t_max].
+  bool time(const Triangle<float>& triangle, double t_max, float& t) const {
+    const auto [above, quotient, share, error] = this->quotient(triangle);
     if (origin_is_exact_ && share < 0x1p-20) {
       const float low = static_cast<float>(quotient - error), high = static_cast<float>(quotient + error);
-      const auto clear_of = [&](double limit) { return !(std::abs(quotient - limit) <= error); };
+      const auto clear_of = [&, value = quotient, bound = error](double limit) {
+        return !(std::abs(value - limit) <= bound);
+      };
       if (low == high && clear_of(t_min_) && clear_of(t_max)) {
         t = low;
         return t_min_ <= quotient && quotient <= t_max;
@@ -178,6 +233,11 @@ class ExactRay {
   }
   [[gnu::noinline, gnu::cold]] Expansion exact_edge(const Vec<float, 3>& p, const Vec<float, 3>& q) const {
     return volume(direction(), from_origin(p), from_origin(q));
+  }
+  [[gnu::noinline, gnu::cold]] int exact_height(const Triangle<float>& triangle) const {
+    return volume(from_origin(triangle.a), difference(triangle.b, triangle.a),
+                  difference(triangle.c, triangle.a))
+        .sign();
   }
   [[gnu::noinline, gnu::cold]] bool exact_time(const Triangle<float>& triangle, double t_max,
                                                float& t) const {
