@@ -78,18 +78,26 @@ class PseudonormalTable {
  private:
   using Three = std::array<std::uint32_t, 3>;
 
-  /// Of each vertex, the first at its position.
+  /// Of each vertex, the first at its position; those that are not finite stand for themselves.
   static std::vector<std::uint32_t> weld(const geometry::Mesh<T>& mesh) {
-    const auto& p = mesh.vertices;
-    std::vector<std::uint32_t> order(p.size()), first(p.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      for (int k = 0; k < 3; ++k)
-        if (p[a][k] != p[b][k]) return p[a][k] < p[b][k];
-      return a < b;
-    });
-    for (std::size_t i = 0; i < order.size(); ++i)
-      first[order[i]] = i > 0 && p[order[i]] == p[order[i - 1]] ? first[order[i - 1]] : order[i];
+    struct Placed {
+      geometry::Vec<T, 3> at;
+      std::uint32_t number;
+      bool operator<(const Placed& o) const {
+        for (int k = 0; k < 3; ++k)
+          if (at[k] != o.at[k]) return at[k] < o.at[k];
+        return number < o.number;
+      }
+    };
+    std::vector<Placed> placed;
+    std::vector<std::uint32_t> first(mesh.vertices.size());
+    std::iota(first.begin(), first.end(), 0u);
+    placed.reserve(first.size());
+    for (const std::uint32_t v : first)
+      if (is_finite(mesh.vertices[v])) placed.push_back({mesh.vertices[v], v});
+    std::sort(placed.begin(), placed.end());
+    for (std::size_t i = 1; i < placed.size(); ++i)
+      if (placed[i].at == placed[i - 1].at) first[placed[i].number] = first[placed[i - 1].number];
     return first;
   }
 
@@ -98,7 +106,7 @@ class PseudonormalTable {
     std::vector<bool> flat(corners_.size());
     for (std::size_t f = 0; f < corners_.size(); ++f) {
       const geometry::Triangle3d t = triangle(f);
-      flat[f] = geometry::is_degenerate(t);
+      flat[f] = !geometry::is_finite(t) || geometry::is_degenerate(t);
       if (!flat[f]) of_face[f] = unit(t.area_normal());
     }
     join_edges();
@@ -149,7 +157,8 @@ class PseudonormalTable {
     };
     for (std::size_t f = 0; f < corners_.size(); ++f) {
       const Three& c = corners_[f];
-      if (!flat[f] || c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) continue;
+      if (!flat[f] || c[0] == c[1] || c[1] == c[2] || c[2] == c[0] || !geometry::is_finite(triangle(f)))
+        continue;
       if (parent.empty()) parent.resize(edges_), std::iota(parent.begin(), parent.end(), 0u);
       for (std::size_t i = 1; i < 3; ++i) parent[find(edge_[f][i])] = find(edge_[f][0]);
       // What lies across the longest edge turns half a circle about the corner in its middle.

@@ -23,21 +23,44 @@
 
 namespace treeline::accel {
 
-/// Half the signed solid angle of a triangle seen from q: in (-pi, pi], positive from behind; and whether q
-/// is on the triangle, where it has none. Error: some roundings of double times the square of the triangle's
-/// size over the distance from q to its edges.
-struct HalfSolidAngle {
-  double angle = 0;
-  bool on = false;
+/// Sums of signed solid angles of triangles seen from a point.
+///
+/// The tangent of half an angle is a quotient (van Oosterom and Strackee 1983), so half the angle is that of
+/// a complex number, and angles add up as the numbers are multiplied: one arc tangent does for all, and full
+/// turns are counted where the product passes the negative real axis. Error: some roundings of double a
+/// triangle, times the square of its size over the distance from the point to its edges.
+class SolidAngles {
+ public:
+  explicit SolidAngles(const geometry::Vec3d& from) : from_(from) {}
+
+  void add(const geometry::Triangle3d& t) {
+    const geometry::Vec3d a = t.a - from_, b = t.b - from_, c = t.c - from_;
+    const double la = length(a), lb = length(b), lc = length(c), scale = la * lb * lc;
+    const double y = dot(a, cross(b, c));
+    const double x = scale + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
+    constexpr double flat = 1e-12;  // above, the point is off the plane for certain
+    if (!(std::abs(y) > flat * scale)) [[unlikely]] {
+      if (geometry::exact_distance2(from_, t) == 0) return static_cast<void>(on_ = true);
+      if (x == 0 && y == 0) return;
+    }
+    const double p = x_ * x - y_ * y, q = x_ * y + y_ * x;
+    const bool above = y_ >= 0, other_above = y >= 0;
+    turns_ += above && other_above && q < 0 ? 1 : 0;
+    turns_ -= !above && !other_above && q >= 0 ? 1 : 0;
+    const double size = 1 / std::max(std::abs(p), std::abs(q));
+    x_ = p * size, y_ = q * size;
+  }
+  /// The sum over 4 pi: positive from behind.
+  double winding() const { return turns_ + std::atan2(y_ + 0.0, x_) / (2 * std::numbers::pi); }
+  /// Whether the point is on one of the triangles, which has no angle then.
+  bool on_one() const { return on_; }
+
+ private:
+  geometry::Vec3d from_;
+  double x_ = 1, y_ = 0;
+  int turns_ = 0;
+  bool on_ = false;
 };
-inline HalfSolidAngle half_solid_angle(const geometry::Triangle3d& t, const geometry::Vec3d& q) {
-  const geometry::Vec3d a = t.a - q, b = t.b - q, c = t.c - q;
-  const double la = length(a), lb = length(b), lc = length(c);
-  const double volume = dot(a, cross(b, c)), scale = la * lb * lc;
-  constexpr double flat = 1e-12;  // above, q is off the plane for certain
-  if (!(std::abs(volume) > flat * scale) && geometry::exact_distance2(q, t) == 0) return {0, true};
-  return {std::atan2(volume, scale + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb), false};
-}
 
 struct WindingNumber {
   double value = 0;
@@ -80,8 +103,8 @@ class WindingTree {
 
   WindingNumber operator()(const Point& q) const {
     WindingNumber r;
-    double half_angles = 0;
     const geometry::Vec3d point(q);
+    SolidAngles near(point);
     std::uint32_t stack[2 * binary_max_depth + 2];
     int height = 0;
     if (!nodes_.empty()) stack[height++] = 0;
@@ -92,15 +115,13 @@ class WindingTree {
       if (distance > reach_ * double(node.radius)) {
         r.value += node.from_afar(geometry::Vec3f(away / double(node.radius)));
       } else if (node.count > 0) {
-        for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-          const HalfSolidAngle half = half_solid_angle(geometry::Triangle3d(triangles_[i]), point);
-          half_angles += half.angle, r.on_surface = r.on_surface || half.on;
-        }
+        for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
+          near.add(geometry::Triangle3d(triangles_[i]));
       } else {
         stack[height++] = node.first, stack[height++] = node.first + 1;
       }
     }
-    r.value += half_angles / (2 * std::numbers::pi);
+    r.value += near.winding(), r.on_surface = near.on_one();
     return r;
   }
 

@@ -145,6 +145,20 @@ TEST(Pseudonormals, FacesWithoutAreaHaveNone) {
   }
 }
 
+// Faces that a tree leaves out leave no trace in the normals of the others.
+TEST(Pseudonormals, FacesThatAreNotFiniteAreLeftOut) {
+  const Mesh3f mesh = bumpy(2, 1);
+  Mesh3f spoiled = mesh;
+  const auto first = static_cast<std::uint32_t>(spoiled.vertices.size());
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (int i = 0; i < 40; ++i) spoiled.vertices.push_back({nan, static_cast<float>(i % 3), nan});
+  for (std::uint32_t i = 0; i < 40; ++i) spoiled.faces.push_back({first + i, i, i + 1});
+  using Brute = BruteForce<Triangles<float>>;
+  EXPECT_THROW((SignedDistance<Brute, Pseudonormal>(spoiled)), InvalidInput);
+  const SignedDistance<Brute, Pseudonormal> one(mesh), other(spoiled, {.non_finite = NonFinite::drop});
+  for (const Point3f& p : points_about(mesh, 500, 45)) ASSERT_EQ(one.inside(p), other.inside(p));
+}
+
 TEST(Pseudonormals, SoupsAreWelded) {
   const Mesh3f mesh = bumpy(2, 1);
   Mesh3f soup;
