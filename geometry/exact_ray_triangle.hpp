@@ -12,12 +12,28 @@
 // three stay in double's range.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "geometry/exact/ray_triangle.hpp"
 #include "geometry/intersect_triangle.hpp"
 
 namespace treeline::geometry {
+
+/// How a ray, all of it from its origin on, passes a triangle.
+struct Crossing {
+  enum class Kind : std::uint8_t {
+    none,
+    inward,   ///< through its inside, against the normal: the origin is in front
+    outward,  ///< through its inside, along the normal: the origin is behind
+    touch,    ///< through an edge or a corner, or the ray lies in the triangle's plane
+    start     ///< the origin is a point of the triangle
+  };
+  Kind kind = Kind::none;
+  double low = 0, high = 0;  ///< bounds on t; 0 for `start`, and for rays in the plane
+};
 
 class ExactRay {
  public:
@@ -58,6 +74,43 @@ class ExactRay {
       }
     }
     return exact_time(t);
+  }
+
+  /// How the ray passes the triangle, whatever its t_min and t_max. Cost: as of a hit.
+  Crossing crossing(const Triangle<float>& triangle) const {
+    using Kind = Crossing::Kind;
+    const Triangle3d t = whole(triangle);
+    const Vec3d a = t.a - ray_.origin, b = t.b - ray_.origin, c = t.c - ray_.origin;
+    const Bounded edge[3] = {edge_of(c, b), edge_of(a, c), edge_of(b, a)};
+    const Vec3d* const corner[3] = {&t.a, &t.b, &t.c};
+    bool negative = false, positive = false, zero = false;
+    for (int i = 0; i < 3; ++i) {
+      int sign = edge[i].value > 0 ? 1 : -1;
+      if (!edge[i].is_certain()) sign = -exact_edge_sign(*corner[(i + 1) % 3], *corner[(i + 2) % 3]);
+      negative |= sign<0, positive |= sign> 0, zero |= sign == 0;
+    }
+    if (negative && positive) return {};
+    if (!negative && !positive) return {Kind::touch};
+    const Vec3d ab = t.b - t.a, ac = t.c - t.a;
+    const Bounded above = volume(a, ab, ac), below = volume(ray_.direction, ab, ac);
+    int height = above.value > 0 ? 1 : -1;  // of the first corner above the origin, along the normal
+    if (!above.is_certain()) height = exact_height(t);
+    if (height == 0) return {Kind::start};
+    const int along = negative ? 1 : -1;  // direction and normal
+    if (height != along) return {};       // behind the origin
+    Crossing r{zero ? Kind::touch : along > 0 ? Kind::outward : Kind::inward};
+    const double quotient = above.value / below.value;
+    const double share =
+        above.error() / std::abs(above.value) + below.error() / std::abs(below.value) + 4 * unit;
+    if (share < 0x1p-20) {
+      const double error = std::abs(quotient) * share * 1.01;
+      r.low = quotient - error, r.high = quotient + error;
+    } else {
+      const float rounded = exact_quotient(t);
+      r.low = double(std::nextafter(rounded, 0.0f));
+      r.high = double(std::nextafter(rounded, std::numeric_limits<float>::infinity()));
+    }
+    return r;
   }
 
   /// Weights of the second and third corner of a triangle that is hit: the true ones, off by at most their
@@ -102,6 +155,17 @@ class ExactRay {
   /// Where the user has it: a float again, as far as float goes, so the sums are exact.
   Triangle3d whole(const Triangle<float>& t) const {
     return {Vec3d(t.a) + centre_, Vec3d(t.b) + centre_, Vec3d(t.c) + centre_};
+  }
+  [[gnu::noinline, gnu::cold]] int exact_edge_sign(const Vec3d& p, const Vec3d& q) const {
+    return exact_sign(detail::EdgeFunction{ray_.origin, ray_.direction, p, q});
+  }
+  [[gnu::noinline, gnu::cold]] int exact_height(const Triangle3d& t) const {
+    return exact_sign(detail::RayTime{ray_, t, 0});
+  }
+  [[gnu::noinline, gnu::cold]] float exact_quotient(const Triangle3d& t) const {
+    Dyadic above, below;
+    detail::RayTime{ray_, t, 0}.quotient(above, below);
+    return rounded_quotient<float>(above, below);
   }
   [[gnu::noinline, gnu::cold]] std::optional<float> exact_time(const Triangle3d& t) const {
     return exact_hit<float>(ray_, t);

@@ -49,7 +49,7 @@ class ExactTest {
 
   [[gnu::always_inline]] std::uint32_t hits(const Leaf& leaf, float limit, float (&t)[N]) const {
     std::uint32_t bits = 0;
-    for (std::uint32_t maybe = sheared_.maybe(leaf, off_); maybe != 0; maybe &= maybe - 1) {
+    for (std::uint32_t maybe = this->maybe(leaf); maybe != 0; maybe &= maybe - 1) {
       const auto lane = static_cast<std::uint32_t>(std::countr_zero(maybe));
       bits |= (is_hit(leaf, lane, limit, t[lane]) ? 1u : 0u) << lane;
     }
@@ -64,6 +64,13 @@ class ExactTest {
     ray.direction = ray.direction * std::ldexp(1.0, shift);
     ray.t_min = std::ldexp(ray.t_min, -shift), ray.t_max = std::ldexp(ray.t_max, -shift);
     return *geometry::ExactRay(ray, exact_.centre()).time(triangle(leaf, lane));
+  }
+
+  /// One bit for each triangle that may be hit, at whatever t; those left out are missed for certain.
+  [[gnu::always_inline]] std::uint32_t maybe(const Leaf& leaf) const { return sheared_.maybe(leaf, off_); }
+  /// How the ray passes a triangle, exactly.
+  [[gnu::noinline]] geometry::Crossing crossing(const Leaf& leaf, std::uint32_t lane) const {
+    return exact_.crossing(triangle(leaf, lane));
   }
 
  private:

@@ -40,6 +40,9 @@ struct WideTriangleOptions {
 };
 
 namespace wide {
+template <class Tree>
+class Crossings;  // wide_crossing.hpp
+
 /// Leaf test of a policy, for N triangles a leaf.
 template <class Policy, int N>
 struct LeafTestOf;
@@ -186,6 +189,9 @@ class Bvh<Triangles<float, Policy>, Name>
   std::vector<SliceCell> slice(int axis, double offset) const;
 
  private:
+  template <class Tree>
+  friend class wide::Crossings;
+
   using Test = typename wide::LeafTestOf<Policy, Layout::leaf_size>::Type;
   using BoxRay = wide::BoxRay<Layout>;
   using NearestHit = wide::NearestHit<Layout>;

@@ -16,6 +16,18 @@ class TaskText:
 
 
 TASKS = {
+    "inside": TaskText(
+        "Points in meshes",
+        "Is a point inside a mesh?",
+        "triangle", "query", "share of wrong answers",
+        "Points on the surface belong to the mesh, and only methods that claim to be exact must say so. A damaged mesh "
+        "(its name says how, after the plus) is held against what was inside of it before: there nobody promises anything.",
+        (("near", "a thousandth of the diagonal off a random point of the surface"),
+         ("uniform", "anywhere in the mesh's box"),
+         ("far", "two to four diagonals away"),
+         ("centre", "in the middle of the box"),
+         ("on_vertex", "two coordinates are those of a vertex, so that rays along an axis meet it"),
+         ("near_threads, uniform_threads", "the same as those without _threads, more queries, for thread scaling"))),
     "knn": TaskText(
         "Neighbours in point clouds",
         "Which points lie nearest to a query, within a radius of it, or inside a box?",

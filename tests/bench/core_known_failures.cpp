@@ -22,6 +22,7 @@
 #include "bench/core/row.hpp"
 #include "core_known_failures.hpp"
 #include "datasets_gen/hard/hard_case.hpp"
+#include "datasets_gen/hard/hard_insides.hpp"
 #include "datasets_gen/hard/hard_rows.hpp"
 
 namespace treeline::bench {
@@ -60,6 +61,8 @@ std::set<std::string> cases_that_may_be_refused() {
   for (const datasets::HardCase& hard : datasets::hard_cases())
     if (hard.expect == datasets::Expect::answers_or_refuses) out.insert(hard.name);
   for (const datasets::HardRows& hard : datasets::hard_rows())
+    if (hard.expect == datasets::Expect::answers_or_refuses) out.insert(hard.name);
+  for (const datasets::HardInside& hard : datasets::hard_insides())
     if (hard.expect == datasets::Expect::answers_or_refuses) out.insert(hard.name);
   return out;
 }
