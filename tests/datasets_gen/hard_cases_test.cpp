@@ -41,14 +41,15 @@ TEST(HardCases, SayWhatTheyAreAndStaySmall) {
     EXPECT_LE(c.mesh.size(), many_faces ? 201'280u : 20'000u) << c.name;
     EXPECT_LE(c.queries.size(), 2000u) << c.name;
     EXPECT_LE(c.rays.size(), 20'000u) << c.name;
-    EXPECT_GT(c.queries.size() + c.rays.size() + c.outward.size(), 0u) << c.name;
-    EXPECT_EQ(c.for_points(), c.rays.empty() && c.outward.empty()) << c.name;
+    EXPECT_LE(c.probes.size(), 2000u) << c.name;
+    EXPECT_GT(c.queries.size() + c.rays.size() + c.outward.size() + c.probes.size(), 0u) << c.name;
+    EXPECT_EQ(c.for_points() + c.for_rays() + c.for_closest_points(), 1) << c.name;
     for (const auto& f : c.mesh.faces)
       for (const auto v : f) ASSERT_LT(v, c.mesh.vertices.size()) << c.name;
   }
   for (const char* family : {"ties_duplicates", "degenerate_triangles", "far_from_origin", "edge_vertex_rays",
                              "axis_parallel_rays", "nan_infinity", "empty_one_kn", "lines_planes_outliers",
-                             "float_range", "radius_borders", "box_rays"})
+                             "float_range", "radius_borders", "box_rays", "closest_points"})
     EXPECT_GT(families[family], 3) << family;
   for (const char* family : {"grazing_rays", "self_intersection"}) EXPECT_EQ(families[family], 1) << family;
 }
@@ -65,6 +66,7 @@ TEST(HardCases, AreTheSameEveryTime) {
     EXPECT_TRUE(same(again[i].mesh.vertices, cases()[i].mesh.vertices)) << again[i].name;
     EXPECT_TRUE(same(again[i].rays, cases()[i].rays)) << again[i].name;
     EXPECT_TRUE(same(again[i].queries, cases()[i].queries)) << again[i].name;
+    EXPECT_TRUE(same(again[i].probes, cases()[i].probes)) << again[i].name;
   }
 }
 
@@ -75,6 +77,7 @@ TEST(HardCases, OnlyThoseThatAreNotFiniteOrAskForNothingMayBeRefused) {
     for (const auto& p : c.queries) finite &= is_finite(p);
     for (const auto& p : c.mesh.vertices) finite &= is_finite(p);
     for (const auto& r : c.rays) finite &= is_finite(r.origin) && is_finite(r.direction);
+    for (const auto& p : c.probes) finite &= is_finite(p);
     const bool asks = c.k > 0 && c.radius.value_or(0) >= 0;
     EXPECT_EQ(finite && asks, c.expect == Expect::answers) << c.name;
     if (!finite) continue;
