@@ -4,12 +4,13 @@
 // Method. Boxes of bricks are halved from the whole lattice down. One closest-point query at the middle of a
 // box's cells tells by the 1-Lipschitz property whether all of its samples are out of the band; it is then
 // done with, if the distance is also twice the box's size, so that the bounds it leaves are good. In the
-// bricks that remain samples are visited in an order in which each is next to the one before, whose distance
-// and a cell's side together bound the search (Jones, Baerentzen and Sramek 2006 survey such builds). Two
-// neighbours that are farther from the surface, together, than from each other lie on one side; what hangs
-// together so has its side decided once. Distances are those to the triangle that the tree finds, in double.
-// Cost: some 10 to 20 queries per brick face's worth of surface, each a fraction of an ordinary one. Known
-// weakness: the closedness of the mesh is a fingerprint, which one open mesh in 2^64 shares.
+// bricks that remain this goes on down to cubes of 2³ samples. The samples left are visited along a Gray
+// code, each next to the one before, whose distance and the way from there bound the search (Jones,
+// Baerentzen and Sramek 2006 survey such builds). Two neighbours that are farther from the surface, together,
+// than from each other lie on one side; what hangs together so has its side decided once. Distances are those
+// to the triangle that the tree finds, in double. Cost: some 10 to 20 queries per brick face's worth of
+// surface, each a fraction of an ordinary one. Known weakness: the closedness of the mesh is a fingerprint,
+// which one open mesh in 2^64 shares.
 #pragma once
 
 #include <atomic>
@@ -163,31 +164,67 @@ class FieldBuilder {
       c.inside = choose_sides(c.brick, values.data(), closest.data());
       made_.put(n, c.brick, values.data());
     }
-    known_ += known, distance_queries_ += (end - begin) * brick_size;
+    known_ += known;
   }
 
   /// Distances without sign; returns how many are known.
-  std::size_t measure(const Candidate& c, float* values, ClosestPoint<float>* closest) const {
-    const Lattice& l = made_.lattice_;
-    std::size_t known = 0;
-    double last = infinity;
-    Vec3d at = l.cells_of(c.brick, {c.brick[0] + 1, c.brick[1] + 1, c.brick[2] + 1}).centre();
-    double bound = c.middle;
-    for (int n = 0; n < brick_size; ++n) {
-      // There and back again, so that each sample is next to the one before.
-      const int k = n / 64, row = n / 8 % 8, j = k % 2 ? 7 - row : row, i = n / 8 % 2 ? 7 - n % 8 : n % 8;
-      const Vec3d p = l.position(c.brick[0] * 8 + i, c.brick[1] * 8 + j, c.brick[2] * 8 + k);
-      bound += n == 0 ? distance(at, p) : l.spacing;
-      const int place = (k * 8 + j) * 8 + i;
-      last = distance_at(p, std::min(bound, made_.widths_.far), closest[place]);
-      if (last < double(far_)) {
-        values[place] = static_cast<float>(last), bound = last, ++known;
-        if (values[place] >= far_) values[place] = far_, --known;
-      } else {
-        values[place] = far_;
+  std::size_t measure(const Candidate& c, float* values, ClosestPoint<float>* closest) {
+    const Triple first{8 * c.brick[0], 8 * c.brick[1], 8 * c.brick[2]};
+    const Triple next{c.brick[0] + 1, c.brick[1] + 1, c.brick[2] + 1};
+    Walk walk{first, made_.lattice_.cells_of(c.brick, next).centre(), c.middle, values, closest};
+    visit<8>(walk, {0, 0, 0}, true);
+    distance_queries_ += walk.queries;
+    return walk.known;
+  }
+  /// A brick's samples on their way: the last point whose distance is bounded bounds the next.
+  struct Walk {
+    Triple first;
+    Vec3d at;
+    double bound;
+    float* values;
+    ClosestPoint<float>* closest;
+    std::size_t known = 0, queries = 0;
+  };
+  double step(Walk& walk, const Vec3d& p, double at_most, ClosestPoint<float>& closest) const {
+    const double bound = walk.bound + distance(walk.at, p),
+                 d = distance_at(p, std::min(bound, at_most), closest);
+    walk.at = p, walk.bound = std::min(bound, d), ++walk.queries;
+    return d;
+  }
+  /// The samples of a cube of a brick. Where it may be out of the band altogether, its middle is asked first.
+  template <int side>
+  void visit(Walk& walk, const Triple& low, bool may_be_far) const {
+    if constexpr (side == 1) {
+      const Vec3d p =
+          made_.lattice_.position(walk.first[0] + low[0], walk.first[1] + low[1], walk.first[2] + low[2]);
+      const int place = (low[2] * 8 + low[1]) * 8 + low[0];
+      const double d = step(walk, p, made_.widths_.far, walk.closest[place]);
+      const float value = std::min(static_cast<float>(std::min(d, made_.widths_.far)), far_);
+      walk.values[place] = value, walk.known += value < far_;
+    } else {
+      if (may_be_far && side < 8) {
+        constexpr double half = 0.5 * (side - 1);
+        const double h = made_.lattice_.spacing, radius = half * h * 1.7321 + 2 * made_.widths_.rounding;
+        Vec3d p =
+            made_.lattice_.position(walk.first[0] + low[0], walk.first[1] + low[1], walk.first[2] + low[2]);
+        p += Vec3d::filled(half * h);
+        ClosestPoint<float> closest;
+        const double d = step(walk, p, made_.widths_.far + radius, closest);
+        if (d >= made_.widths_.far + radius) return fill(walk, low, side);
+        may_be_far = d + radius >= made_.widths_.far;
       }
+      // There and back again, so that each is next to the one before.
+      constexpr int part = side / 2;
+      for (const int n : {0, 1, 3, 2, 6, 7, 5, 4})
+        visit<part>(walk, {low[0] + (n & 1) * part, low[1] + (n >> 1 & 1) * part, low[2] + (n >> 2) * part},
+                    may_be_far);
     }
-    return known;
+  }
+  void fill(Walk& walk, const Triple& low, int side) const {
+    for (int k = low[2]; k < low[2] + side; ++k)
+      for (int j = low[1]; j < low[1] + side; ++j)
+        for (int i = low[0]; i < low[0] + side; ++i)
+          walk.values[(k * 8 + j) * 8 + i] = far_, walk.closest[(k * 8 + j) * 8 + i] = {};
   }
 
   /// Gives the samples of a brick their signs; whether the last patch was inside.
