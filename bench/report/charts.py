@@ -16,7 +16,8 @@ DURATION = (
 
 # Logarithmic ticks come at every digit and between. Labels stand at round ones, as many as the pixels of a decade have room
 # for: at every third power of ten, every second, at all of them, at 1, 2 and 5, and so on; where an axis spans so little
-# that none may be round, at few ticks that are all labelled. (Vega drops labels that overlap, but counts empty ones, too.)
+# that none may be round, at few ticks that are all labelled. (Vega's ways to drop labels that overlap or reach over the
+# edge count empty ones, too, and drop every other.)
 DIGITS = ((110, "['1.00']"), (300, "['1.00', '2.00', '5.00']"), (480, "['1.00', '2.00', '3.00', '5.00', '7.00']"),
           (None, "['1.00', '1.50', '2.00', '3.00', '4.00', '5.00', '7.00']"))  # fmt: skip
 NARROW = 1000  # pixels of a decade
@@ -33,12 +34,14 @@ def _round(axis):
     digits = "".join(f"{decade} < {most} ? {which} : " if most else which for most, which in DIGITS)
     every = f"({decade} < 24 ? 3 : {decade} < 46 ? 2 : 1)"
     off = f"({decade} < 46 && round(log(datum.value) / LN10) % {every} != 0)"
-    return f"{decade} < {NARROW} && ({off} || indexof({digits}, slice(format(datum.value, '.2e'), 0, 4)) < 0) ? '' : "
+    odd = f"{decade} < {NARROW} && ({off} || indexof({digits}, slice(format(datum.value, '.2e'), 0, 4)) < 0)"
+    cut = " || scale('x', datum.value) > width - 10" if axis == "x" else ""  # it would reach over the edge
+    return f"({odd}{cut}) ? '' : "
 
 
 def _log_axis(axis, labels, title):
     few = f"ceil({'width / 60' if axis == 'x' else 'height / 20'})"
-    return alt.Axis(labelExpr=_round(axis) + labels, title=title, gridOpacity=0.5, labelBound=True, labelOverlap=False,
+    return alt.Axis(labelExpr=_round(axis) + labels, title=title, gridOpacity=0.5, labelBound=False, labelOverlap=False,
                     tickCount=alt.expr(f"{_decade(axis)} < {NARROW} ? 30 : {few}"))  # fmt: skip
 
 

@@ -15,7 +15,7 @@ def figure(value):
 
 def brief(value):
     """Two significant digits, for a cell of a few letters."""
-    return f"{value:.2g}".replace("e-0", "e-").replace("e+0", "e")
+    return f"{value:.0f}" if 100 <= value < 1e5 else f"{value:.2g}".replace("e-0", "e-").replace("e+0", "e")
 
 
 def duration(ns):

@@ -424,6 +424,7 @@ class Small(unittest.TestCase):
             [units.duration(v) for v in (3.21, 999, 1500, 2.5e6, 3e9)], ["3.21 ns", "999 ns", "1.5 µs", "2.5 ms", "3 s"]
         )
         self.assertEqual([units.figure(v) for v in (None, 0, 1e-7, 0.25, 123456)], ["-", "0", "1e-7", "0.25", "1.2e5"])
+        self.assertEqual([units.brief(v) for v in (0.00606, 1.9e-6, 4.57, 149.2, 3e7)], ["0.0061", "1.9e-6", "4.6", "149", "3e7"])
         self.assertEqual([units.count(v) for v in (7, 1000, 1_000_000)], ["7", "1k", "1M"])
 
     def test_recall_and_leaves_have_columns_of_their_own(self):

@@ -17,7 +17,8 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
 import report_fixture as fixture
-from bench.report import advice, layout, page, report, rows, series, static
+import vl_convert
+from bench.report import advice, charts, layout, page, report, rows, series, static
 from bench.report.model import numbers, task_models
 from report_made import METHOD, PEER, made, read
 
@@ -119,6 +120,22 @@ class Report(unittest.TestCase):
         self.assertEqual(re.findall('data-method="([^"]+)"', card), [METHOD[0], PEER[0]])
         threads = page.build(rows.read([f for f in self.files if "threads" in f.name]), [])
         self.assertNotIn("data-method", re.search('<article class="series".*?</article>', threads, re.DOTALL).group())
+
+    def test_axes_have_a_few_labels_however_much_they_span(self):
+        """And they are of those values that are evenly spread, two at least, none twice, with room between them."""
+        found = rows.read(self.files)
+        task = next(t for t in task_models(found) if t.name == "knn")
+        for low, high in ((13, 94), (100, 104), (1, 12), (9, 400), (1, 1e9), (5, 5)):
+            values = [{"i": i, "method": m, "bytes": v, "own": v} for i, (m, v) in enumerate(zip(task.looks, (low, high)))]
+            chart = charts.lanes_chart(charts.alt.Data(values=values), "bytes", "bytes", list(task.looks), task.looks, False, 240)
+            svg = vl_convert.vegalite_to_svg(charts.theme(chart).to_json())
+            axis = re.search(r'role-axis-label.*?</g>', svg[svg.index("X-axis titled"):], re.DOTALL).group()
+            told = [(float(x), text) for x, text in re.findall(r'translate\(([-\d.]+),[^>]*opacity="1"[^>]*>([^<]+)<', axis)]
+            self.assertTrue(2 <= len(told) <= 10 or low == high, (low, high, told))
+            self.assertEqual(len({text for _, text in told}), len(told), told)
+            places = sorted(told)
+            for (a, left), (b, right) in zip(places, places[1:]):
+                self.assertGreater(b - a, 2.9 * (len(left) + len(right)), (low, high, places))  # half of each at 10 px
 
     def test_every_chart_is_drawn_with_every_mark(self):
         tasks = len(fixture.TASKS)
