@@ -127,7 +127,8 @@ class Task {
   virtual std::unique_ptr<Block> open(const BlockSpec&, const RunContext&) const = 0;
   /// A block over the user's own file.
   virtual std::unique_ptr<Block> open(datasets::Dataset, const RunContext&) const = 0;
-  /// Query sets on which --advise measures (names); every rung must meet the tolerance on each.
+  /// Query sets on which --advise measures (names); every rung must meet the tolerance on each. Rows of these
+  /// say so (Row::advised), and the report's advice asks about the same.
   virtual std::vector<std::string> advise_on() const = 0;
   /// Writes pictures of one block (slices through trees, renderings with wrong pixels marked) and an
   /// index of them, pictures.jsonl, into a folder: one object a line with file, title, dataset, method, kind.

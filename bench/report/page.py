@@ -6,7 +6,7 @@ from pathlib import Path
 import vl_convert
 from jinja2 import Environment
 
-from bench.report import charts, ledger, model, pieces, rays, series
+from bench.report import busy, charts, ledger, model, pieces, rays, series, winners
 from bench.report.pieces import esc
 from bench.report.units import count
 
@@ -69,10 +69,13 @@ def _safe(script):
 
 def _nav(task, pictures, cards):
     name = task.name
-    links = [f'<a class="task" href="#{name}">{esc(task.text.title)}</a>', f'<a href="#{name}-winners">Winners</a>']
+    links = [f'<a class="task" href="#{name}">{esc(task.text.title)}</a>']
+    if winners.winners(task.soft):
+        links.append(f'<a href="#{name}-winners">Winners</a>')
     links += [f'<a href="#{card.name}">{esc(card.title)}</a>' for card in cards]
-    links += [f'<a class="sub" href="#{name}-{k}">{esc(d)}</a>' for k, d in enumerate(task.datasets)]
     if task.datasets:
+        links.append(f'<a href="#{name}-charts">Charts</a>')
+        links += [f'<a class="sub" href="#{name}-{k}">{esc(d)}</a>' for k, d in enumerate(task.datasets)]
         links.append(f'<a href="#{name}-advice">Advice</a>')
     if any(r.hard for r in task.rows):
         links.append(f'<a href="#{name}-stability">Stability</a>')
@@ -88,7 +91,8 @@ def _nav(task, pictures, cards):
 def _head(rows):
     """What was measured, on what, and with whose versions."""
     tasks = list(dict.fromkeys(r.task for r in rows))
-    parts = [f"<p>{len(rows):,} cells of the task{'s' if len(tasks) > 1 else ''} {esc(', '.join(tasks))}.</p>"]
+    cells, of = "cell" if len(rows) == 1 else "cells", "task" if len(tasks) == 1 else "tasks"
+    parts = [f"<p>{len(rows):,} {cells} of the {of} {esc(', '.join(tasks))}.</p>"]
     lines = []
     for k, run in enumerate(rows.runs):
         mine = [r for r in rows if r.run == k]
@@ -151,19 +155,10 @@ def _meaning(text):
             f"<p>{esc(text.meaning)} Charted is the mean over queries.</p></details>")  # fmt: skip
 
 
-# Below this share of processor time in wall time, on one thread, something else had the core.
-BUSY = 0.9
-
-
 def _busy(rows):
     """A warning where the machine had other work while it measured."""
-    timed = [r for r in rows if r.threads == 1 and r.query_ns and r.query_cpu_ns and not r.hard]
-    slowed = sum(r.query_cpu_ns < BUSY * r.query_ns for r in timed)
-    if slowed < 0.05 * len(timed):
-        return ""
-    return (f'<p class="note"><b>The machine was busy:</b> in {slowed:,} of {len(timed):,} timed cells the processor '
-            f"worked on them for less than {BUSY:.0%} of the time. Measure again on a quiet machine before you "
-            "trust close calls.</p>")  # fmt: skip
+    told = busy.warning(rows)
+    return f'<p class="note warning"><b>The machine was busy:</b> {esc(told)}</p>' if told else ""
 
 
 def _section(task, rows, listed, fixed, pictures, cards):
@@ -177,7 +172,7 @@ def _section(task, rows, listed, fixed, pictures, cards):
                      for r in task.runs)  # fmt: skip
     if tables:
         blocks.append(f'<h3 id="{name}-winners">Winners</h3>{tables}')
-    blocks += [pieces.figures(card) for card in cards]
+    blocks += [pieces.figures(task, card) for card in cards]
     if task.datasets:
         blocks.append(_toolbar(task, rows))
         by_dataset = {d: [(n, k) for n, k, of, _ in listed if of == d] for d in task.datasets}
@@ -214,7 +209,7 @@ def _toolbar(task, rows):
     runs = [pieces.option(r, _run_name(rows, r)) for r in task.runs]
     threads = [pieces.option(t, t) for t in task.threads]
     name = task.name
-    return (f'<div class="toolbar"><div class="choices" data-task="{name}">'
+    return (f'<h3 id="{name}-charts">Charts</h3><div class="toolbar"><div class="choices" data-task="{name}">'
             + pieces.select(name, "set", "Query set", sets)
             + (pieces.select(name, "size", "Size", sizes) if len(task.sizes) > 1 else "")
             + (pieces.select(name, "run", "Run", runs) if len(runs) > 1 else "")

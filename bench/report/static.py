@@ -97,6 +97,6 @@ def _file_name(*parts):
 
 def _save(chart, path):
     spec = charts.theme(chart, "white", "sans-serif").to_json()
-    svg = vl_convert.vegalite_to_svg(spec.replace("currentColor", "#222"))
+    svg = vl_convert.vegalite_to_svg(spec.replace(charts.INK, "#222").replace(charts.PAPER, "white"))
     path.with_name(path.name + ".svg").write_text(svg)
     path.with_name(path.name + ".png").write_bytes(vl_convert.svg_to_png(svg, scale=2))

@@ -12,6 +12,7 @@ class TaskText:
     error: str  # name of the primary metric, as an axis title
     meaning: str = ""  # of that metric
     query_sets: tuple = ()  # (name, what is asked)
+    hard: str = ""  # why some methods have no hard cases
 
 
 TASKS = {
@@ -30,7 +31,9 @@ TASKS = {
          ("knn8_far", "the 8 nearest of a position two to four diagonals of that box away"),
          ("radius_self", "all within a radius, chosen to hold about 30 points, of a point of the cloud"),
          ("box_self", "all in a box of about 30 points around a point of the cloud"),
-         ("knn8_threads, radius_threads", "the same as those ending in _self, many more queries, for thread scaling"))),
+         ("knn8_threads, radius_threads", "the same as those ending in _self, many more queries, for thread scaling")),
+        "The hard cases are clouds of floats. Those that answer in doubles, and those that round doubles, are asked where "
+        "float cannot hold a cloud (georeferenced)."),
     "knn_dynamic": TaskText(
         "Points that come and go",
         "What does it cost that points come and go, and what do queries lose by it?",
