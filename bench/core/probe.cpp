@@ -53,6 +53,7 @@ Broken try_peers(const Task& task, const BlockSpec& spec, const std::function<st
     bool opened = false, refused = false;
     std::pair<std::size_t, std::size_t> at;
     const auto work = [&](const Send& send) {
+      if (chosen.threads > 1) SingleThreaded::lift();
       std::unique_ptr<Block> block;
       try {
         block = open();

@@ -57,7 +57,7 @@ std::size_t judged_rays(std::size_t n, Profile profile) {
 
 datasets::HardCase hard_case(const std::string& name) {
   for (auto& c : datasets::hard_cases())
-    if (c.name == name && !c.for_points()) return c;
+    if (c.name == name && c.for_rays()) return c;
   throw std::invalid_argument("no hard case for rays is called '" + name + "'");
 }
 
@@ -118,7 +118,7 @@ std::vector<BlockSpec> RayTask::blocks(Profile profile) const {
 std::vector<BlockSpec> RayTask::hard_blocks() const {
   std::vector<BlockSpec> blocks;
   for (const auto& c : datasets::hard_cases())
-    if (!c.for_points()) blocks.push_back({c.name, 0, true});
+    if (c.for_rays()) blocks.push_back({c.name, 0, true});
   return blocks;
 }
 

@@ -24,10 +24,12 @@ def select(task, name, label, options):
 
 
 def legend(task, methods=None):
-    """Those methods, or all that are charted, with their marks; pointing at one shows it alone."""
-    parts, shown = [], methods or {r.method for r in (*task.soft, *task.scaling)}  # some face hard cases only
+    """All charted methods, or those, with their marks; pointing at one shows it alone."""
+    if methods is None:
+        methods = {r.method for r in (*task.soft, *task.scaling)}  # some face hard cases only
+    parts = []
     for source, words in (("ours", "Ours (filled)"), ("peer", "Peers (hollow)")):
-        looks = [look for look in task.looks.values() if look.source == source and look.method in shown]
+        looks = [look for look in task.looks.values() if look.source == source and look.method in methods]
         if looks:
             chips = "".join(
                 f'<button type="button" data-method="{esc(look.method)}" aria-pressed="false">'
@@ -135,13 +137,14 @@ def matrix_table(task):
         bad = sum(cell.status in ("crashed", "timeout", "out_of_memory", "wrong") for cell in mine)
         totals.append(f'<td class="{"st-wrong" if bad else "st-ok"}">{bad}</td>')
     key = " ".join(f'<span><i class="st-{s}">{stability.LETTERS[s]}</i> {w}</span>' for s, w in stability.WORDS.items())
-    name, asserted = f"{task.name}-matrix", sum((c.row.reason or "").startswith("an assertion") for c in cells.values())
+    name = f"{task.name}-matrix"
     asked = {c.method for c in columns}
     unasked = [m for m in task.looks if m not in asked and any(r.method == m and r.status != "not_built" for r in task.soft)]
     note = f'<p class="note">Not in this matrix: {esc(", ".join(unasked))}. {esc(task.text.hard)}</p>' if unasked else ""
+    asserted = sum((c.row.reason or "").startswith("an assertion") for c in cells.values())
     if asserted:
-        note += (f'<p class="note">{asserted} of the crashes are assertions: Debian builds its Embree and PCL with them, and '
-                 "they end the program where a build without them would go on to answer, rightly or not.</p>")  # fmt: skip
+        note += (f'<p class="note">{asserted} of the crashes are assertions: Debian builds its Embree and PCL with them, and they '
+                 "end the program where a build without them would go on to answer, rightly or not.</p>")  # fmt: skip
     return (f'<p class="key">{key}</p><div class="scroll"><table class="matrix" id="{name}"><thead><tr><th></th>{head}'
             f'</tr></thead><tbody>{"".join(lines)}</tbody><tfoot><tr><th scope=row>broken cases</th>{"".join(totals)}'
             f'</tr></tfoot></table></div><p class="line" id="{name}-line" aria-live="polite">Point at a cell, or move '
