@@ -99,8 +99,6 @@ std::vector<BlockSpec> Program::blocks() {
   input_ = read_input(options_.input, task_.dataset_kind());
   input_->seed = options_.context.seed;  // of its queries: a file has none of its own
   for (const std::string& note : input_->notes) fmt::print(stderr, "{}: {}\n", options_.input, note);
-  if (const std::string remedy = format_remedy(*input_); !remedy.empty())
-    fmt::print(stderr, "{}: {}\n", options_.input, remedy);
   return {{input_->name, input_->size(), false}};
 }
 

@@ -1,5 +1,5 @@
-// What it costs that a file's coordinates became floats, and what helps: said with the advice, and where a
-// mesh's loss is worth a warning.
+// What it costs that a file's coordinates became floats, and what helps: said with the advice. (The reader's
+// note says it too, before it is known what will be measured.)
 #pragma once
 
 #include <string>
