@@ -104,12 +104,12 @@ TYPED_TEST(TriangleShape, AMeshFarAwayCostsWhatItCostsAtTheOrigin) {
   using T = typename TypeParam::Scalar;
   if (std::is_same_v<TypeParam, BruteForce<Triangles<T>>>) GTEST_SKIP() << "tests every triangle anyway";
   const auto touched = [](const Vec<T, 3>& centre) {
-    Mesh<T> mesh = sphere<T>(6, centre, T(500));  // 32768 faces, of 10
+    const Mesh<T> mesh = sphere<T>(6, centre, T(20));  // 32768 faces, of 0.4
     const TypeParam tree(mesh);
     Work rays, points;
     Pcg32 random(152);
     for (int i = 0; i < 300; ++i) {
-      const Vec<T, 3> at = centre + in_cube(random, T(250));
+      const Vec<T, 3> at = centre + in_cube(random, T(10));
       EXPECT_TRUE(tree.closest_hit({at, in_cube(random, T(1))}, rays));
       (void)tree.closest_point(at, T(1000), points);
     }
