@@ -201,9 +201,10 @@ void DynamicPoints<Tree>::each_within(const Point& q, Scalar radius, W& work, F&
     const auto square = query.square(p);
     if (reach(square.distance2, square.wide)) f(Found{query.told_within(reach, square), id}, p);
   };
+  const Scalar asked = direct || radius == 0 ? radius : Query::widened(radius);  // what is at q is so exactly
   std::vector<Found> told;
   for (const Part& part : parts_) {
-    part.tree->within(q, direct ? radius : Query::widened(radius), told, work);
+    part.tree->within(q, asked, told, work);
     for (const Found& t : told) {
       if (!is_there(part, t.id)) continue;
       if (direct)
