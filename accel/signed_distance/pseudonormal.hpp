@@ -47,8 +47,12 @@ class PseudonormalTable {
   bool is_behind(const geometry::Vec<T, 3>& q, std::size_t face, Feature feature) const {
     const geometry::Triangle3d t = triangle(face);
     const geometry::Vec3d point(q), corner[3] = {t.a, t.b, t.c};
-    const int number = static_cast<int>(feature);
-    if (number == 0) return geometry::orientation(t.a, t.b, t.c, point) <= 0;
+    int number = static_cast<int>(feature);
+    if (number == 0) {
+      const int side = geometry::orientation(t.a, t.b, t.c, point);
+      if (side != 0 || !geometry::is_degenerate(t)) return side <= 0;
+      number = 1 + longest_side(t);  // one without area is no more than that
+    }
     if (number > 3) {
       const auto i = static_cast<std::size_t>(number - 4);
       return dot(point - corner[i], of_vertex_[corners_[face][i]]) < 0;
@@ -163,8 +167,7 @@ class PseudonormalTable {
       for (std::size_t i = 1; i < 3; ++i) parent[find(edge_[f][i])] = find(edge_[f][0]);
       // What lies across the longest edge turns half a circle about the corner in its middle.
       const geometry::Triangle3d t = triangle(f);
-      const double side[3] = {length2(t.b - t.a), length2(t.c - t.b), length2(t.a - t.c)};
-      const auto longest = static_cast<std::size_t>(std::max_element(side, side + 3) - side);
+      const auto longest = static_cast<std::size_t>(longest_side(t));
       of_vertex_[c[(longest + 2) % 3]] += of_edge_[edge_[f][longest]] * std::numbers::pi;
     }
     if (parent.empty()) return;
@@ -173,6 +176,10 @@ class PseudonormalTable {
     for (std::uint32_t e = 0; e < edges_; ++e) of_edge_[e] = sum[find(e)];
   }
 
+  static int longest_side(const geometry::Triangle3d& t) {
+    const double side[3] = {length2(t.b - t.a), length2(t.c - t.b), length2(t.a - t.c)};
+    return static_cast<int>(std::max_element(side, side + 3) - side);
+  }
   static Normal unit(const Normal& n) {
     const double size = length(n);
     return size > 0 ? n / size : Normal{};

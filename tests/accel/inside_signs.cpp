@@ -22,9 +22,9 @@ double box_distance(const Vec3d& p, const Vec3d& half) {
 
 template <class Tree>
 class SignedDistances : public testing::Test {};
-using Trees =
-    testing::Types<Bvh<Triangles<float>>, KdTree<Triangles<float>>, BspTree<Triangles<float>>,
-                   BruteForce<Triangles<float>>, Bvh<Triangles<double>>, BruteForce<Triangles<double>>>;
+using Trees = testing::Types<Bvh<Triangles<float>>, KdTree<Triangles<float>>, BspTree<Triangles<float>>,
+                             BruteForce<Triangles<float>>, WideTree, Bvh<Triangles<double>>,
+                             BruteForce<Triangles<double>>>;
 TYPED_TEST_SUITE(SignedDistances, Trees);
 
 template <class Tree, class Sign>
@@ -93,9 +93,11 @@ TEST(Pseudonormals, AreRightEverywhere) {
       m.faces = mesh.faces;
       return m;
     }());
+    const SignedDistance<WideTree, Pseudonormal> wide(mesh);
     std::size_t by_feature[3] = {};
     for (const Point3f& p : points_about(mesh, 4000, 41)) {
       ASSERT_EQ(body.inside(Vec3d(p)), truth_of(mesh, p).inside());
+      ASSERT_EQ(wide.inside(p), truth_of(mesh, p).inside());
       const int feature = static_cast<int>(body.tree().closest_point(Vec3d(p)).feature);
       ++by_feature[feature == 0 ? 0 : feature < 4 ? 1 : 2];
     }
@@ -134,6 +136,7 @@ TEST(Pseudonormals, FacesWithoutAreaHaveNone) {
   ASSERT_TRUE(geometry::Adjacency(mesh).closed());
   const SignedDistance<BruteForce<Triangles<float>>, Pseudonormal> body(mesh);
   const SignedDistance<Bvh<Triangles<float>>, Pseudonormal> tree(mesh);
+  const SignedDistance<WideTree, Pseudonormal> wide(mesh);
   ASSERT_TRUE(body.closed() && body.oriented());
   Pcg32 random(43);
   for (int i = 0; i < 4000; ++i) {
@@ -142,6 +145,7 @@ TEST(Pseudonormals, FacesWithoutAreaHaveNone) {
     const double d = box_distance(Vec3d(p), {1, 1, 1});
     ASSERT_EQ(body.inside(p), d <= 0) << p[0] << " " << p[1] << " " << p[2];
     ASSERT_EQ(tree.inside(p), d <= 0);
+    ASSERT_EQ(wide.inside(p), d <= 0);
   }
 }
 

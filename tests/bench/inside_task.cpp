@@ -27,8 +27,8 @@ TEST(InsideTask, HasItsMethods) {
   for (const auto& [name, package] : task.not_built()) names.insert(name);
   for (const char* name :
        {"wide_first_hit", "wide_parity", "brute_first_hit", "bvh_first_hit", "kd_first_hit", "bsp_first_hit",
-        "bvh_pseudonormal", "bvh_face_normal", "winding", "winding_sum", "embree_facing", "embree_parity",
-        "cgal_side_of_mesh", "cgal_aabb_parity"})
+        "wide_pseudonormal", "bvh_pseudonormal", "wide_face_normal", "winding", "winding_sum",
+        "embree_facing", "embree_parity", "cgal_side_of_mesh", "cgal_aabb_parity"})
     EXPECT_TRUE(names.contains(name)) << name;
 }
 
@@ -79,7 +79,8 @@ TEST(InsideTask, DamageShowsWhereItShould) {
     return worst;
   };
   for (const char* harmless : {"unwelded", "degenerate_5"})
-    for (const char* method : {"wide_first_hit", "wide_parity", "bvh_pseudonormal", "winding_sum"})
+    for (const char* method :
+         {"wide_first_hit", "wide_parity", "wide_pseudonormal", "bvh_pseudonormal", "winding_sum"})
       EXPECT_EQ(share(harmless, method), 0) << harmless << " " << method;
   EXPECT_EQ(share("flipped_10", "wide_parity"), 0);
   EXPECT_GT(share("flipped_10", "wide_first_hit"), 0.02);
