@@ -86,6 +86,13 @@ inline constexpr T oblique_slack = T(192) * unit_roundoff<T>;
 template <class T>
 inline constexpr T closest_slack = T(64) * unit_roundoff<T>;
 
+/// How far a sample of a distance field may be off, relative to the largest coordinate involved:
+/// closest_slack for the choice of the triangle; 2 roundings of the sample's place along each axis (4 sqrt(3)
+/// = 7) where it decides the side; 1 to store the distance, which is at most twice sqrt(3) times the largest
+/// coordinate (4). 80 covers the sum.
+template <class T>
+inline constexpr T sample_slack = T(80) * unit_roundoff<T>;
+
 /// Slack of clipping a triangle to a box in double, relative to its largest coordinate: a cut takes 5
 /// roundings of lengths up to twice that, and adds its error to that of the cuts before; 6 cuts.
 inline constexpr double clip_slack = 64 * unit_roundoff<double>;

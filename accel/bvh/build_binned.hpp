@@ -17,7 +17,7 @@
 #include <string>
 
 #include "accel/batch.hpp"
-#include "accel/bvh/binary_tree.hpp"
+#include "accel/bvh/binary_cost.hpp"
 #include "accel/bvh/wide_layout.hpp"
 #include "accel/simd/lanes8.hpp"
 #include "geometry/triangle.hpp"
@@ -31,12 +31,9 @@ class BinnedBuilder {
       : options_(options),
         shift_(std::countr_zero(static_cast<unsigned>(options.block))),
         prims_(triangles.size()) {
-    check_threads(options.threads);
-    if (options.block < 1 || !std::has_single_bit(static_cast<unsigned>(options.block)))
+    check(options, triangles.size());
+    if (!std::has_single_bit(static_cast<unsigned>(options.block)))
       throw InvalidInput("block is " + std::to_string(options.block) + "; it must be a power of two");
-    if (options.largest_leaf < 1)
-      throw InvalidInput("largest_leaf is " + std::to_string(options.largest_leaf) +
-                         "; it must be at least 1");
     parallel_ranges(triangles.size(), options.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) prims_[i] = prim_of(triangles[i], i);
     });

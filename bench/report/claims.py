@@ -5,7 +5,7 @@ sizes and answers are in measures.py. A contest's claim names the family it favo
 is about. Two contests decide, for no single one is fair to all:
 
     binary   our binary trees with leaves of one size: what the structures themselves are worth
-    best     the fastest right method of each family, ours or a peer: what a user can get
+    best     the fastest exact method of each family, ours or a peer: what a user can get
 
 A cell is one query set on one dataset; its ratio is the favoured family's time over that of its fastest rival. Cells fall
 into groups by contest and by where the queries lie. Every group supports the claim, at every size: it holds; some do, or
@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from math import exp, log
 from pathlib import Path
 
-from bench.report.frontier import groups, right
+from bench.report.frontier import exact, groups
 from bench.report.units import count, figure
 
 LIST = Path(__file__).with_name("claims.json")
@@ -163,8 +163,8 @@ def _place(task, query_set):
 
 
 def _entrants(group):
-    """(contest, family: its fastest right row), a contest of textbook trees for each leaf size that they share."""
-    able = [r for r in group if right(r)]
+    """(contest, family: its fastest exact row), a contest of textbook trees for each leaf size that they share."""
+    able = [r for r in group if exact(r)]
     by_leaf = defaultdict(dict)
     for row in able:
         knobs = row.build_knobs or {}

@@ -41,7 +41,7 @@ def main(argv=None):
     if arguments.out and not arguments.winners:
         print(f"Report: {arguments.out}")
     if arguments.winners:
-        print(winners.table(list(rows)) or "No row has a right answer with a time.")
+        print(winners.table(list(rows)) or "No row of a method that promises exact answers has a time.")
     return 0
 
 

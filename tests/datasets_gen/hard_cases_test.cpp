@@ -6,6 +6,7 @@
 #include <set>
 
 #include "datasets_gen/hard/hard_case.hpp"
+#include "datasets_gen/hard/hard_insides.hpp"
 #include "datasets_gen/hard/hard_rows.hpp"
 #include "geometry/adjacency.hpp"
 #include "geometry/intersect_triangle.hpp"
@@ -97,6 +98,21 @@ TEST(HardRows, SayWhatTheyAreAndOnlyThoseThatAreNotFiniteMayBeRefused) {
       return std::ranges::all_of(v.scalars, [](float x) { return std::isfinite(x); });
     };
     EXPECT_EQ(finite(c.rows) && finite(c.queries), c.expect == Expect::answers) << c.name;
+  }
+}
+
+TEST(HardInsides, SayWhatTheyAreAndOnlyThoseThatAreNotFiniteMayBeRefused) {
+  std::set<std::string> names;
+  for (const HardCase& c : cases()) names.insert(c.name);
+  for (const HardRows& c : hard_rows()) names.insert(c.name);
+  for (const HardInside& c : hard_insides()) {
+    EXPECT_TRUE(names.insert(c.name).second) << "twice: " << c.name;
+    EXPECT_FALSE(c.source.empty() || c.law.empty()) << c.name;
+    EXPECT_GT(c.points.size(), 0u) << c.name;
+    bool finite = true;
+    for (const auto& p : c.points) finite &= is_finite(p);
+    for (const auto& p : c.mesh.vertices) finite &= is_finite(p);
+    EXPECT_EQ(finite, c.expect == Expect::answers) << c.name;
   }
 }
 

@@ -1,0 +1,328 @@
+#include "bench/distance_field/block.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include "bench/core/refusal.hpp"
+#include "bench/distance_field/truth.hpp"
+#include "geometry/random.hpp"
+#include "geometry/tolerances.hpp"
+
+namespace treeline::bench::distance_field {
+namespace {
+
+using geometry::Vec3d;
+using geometry::Vec3f;
+
+enum Set : std::size_t { near = 0, uniform = 1, trace = 2 };
+
+constexpr double near_width = 0.01;       // in longest sides
+constexpr std::size_t sampled = 4000;     // of a field's own samples
+constexpr std::size_t counted = 1000000;  // rays or points have numbers below
+
+double longest_side(const geometry::Box3d& box) {
+  const Vec3d e = box.extent();
+  return std::max({e[0], e[1], e[2]});
+}
+
+class FieldSubject final : public Subject {
+ public:
+  FieldSubject(const Method& method, const Input& input, const Knobs& knobs,
+               const std::vector<std::vector<Vec3f>>& points, const std::vector<geometry::Rayf>& rays,
+               bool must_answer)
+      : points_(points), rays_(rays) {
+    keep_refusal(must_answer, refusal_, [&] { field_ = method.build(input, knobs); });
+  }
+
+  void run(std::size_t set, const Knobs& knobs, int threads) override {
+    if (!field_) return;
+    if (set == Set::trace) {
+      traced.resize(rays_.size());
+      field_->trace(rays_, knobs, threads, traced);
+    } else {
+      distances.resize(points_[set].size());
+      field_->distances(points_[set], knobs, threads, distances);
+    }
+  }
+
+  const Field* field() const { return field_.get(); }
+  const std::string& refusal() const { return refusal_; }
+  std::vector<float> distances;
+  std::vector<TraceAnswer> traced;
+
+ private:
+  const std::vector<std::vector<Vec3f>>& points_;
+  const std::vector<geometry::Rayf>& rays_;
+  std::unique_ptr<Field> field_;
+  std::string refusal_;
+};
+
+/// Sums over the answers to one set.
+struct Tally {
+  std::vector<double> errors;
+  double bias = 0;
+
+  void add(double error, double signed_error) { errors.push_back(error), bias += signed_error; }
+  void write(Errors& e) {
+    if (errors.empty()) return;
+    const auto n = static_cast<double>(errors.size());
+    std::ranges::sort(errors);
+    e.error = e.mean = std::accumulate(errors.begin(), errors.end(), 0.0) / n;
+    e.max = errors.back();
+    e.p99 = errors[static_cast<std::size_t>(0.99 * (n - 1))];
+    e.bias = bias / n;
+  }
+};
+
+std::string place(const Vec3d& p) {
+  std::string r = "(";
+  for (int k = 0; k < 3; ++k) r += std::to_string(p[k]) + (k < 2 ? ", " : ")");
+  return r;
+}
+
+class FieldBlock final : public Block {
+ public:
+  FieldBlock(const std::vector<Method>& methods, BlockInput input)
+      : methods_(methods),
+        input_(std::move(input)),
+        box_(finite_box()),
+        side_(longest_side(box_)),
+        slack_(geometry::tolerance::sample_slack<float> * reach()) {
+    make_points();
+    make_rays();
+    sets_ = {{"near", points_[Set::near].size()},
+             {"uniform", points_[Set::uniform].size()},
+             {"trace", rays_.size()}};
+  }
+
+  const std::vector<QuerySet>& query_sets() const override { return sets_; }
+  std::size_t n() const override { return mesh().size(); }
+  std::uint64_t seed() const override { return input_.dataset.seed; }
+  std::uint64_t dataset_hash() const override { return input_.dataset.hash(); }
+  bool quick() const override { return input_.quick; }
+
+  std::unique_ptr<Subject> build(std::size_t m, const Knobs& knobs, int threads) override {
+    const double cells = knobs.contains("resolution") ? knobs.at("resolution").get<double>() : 1;
+    return std::make_unique<FieldSubject>(methods_[m],
+                                          Input{.mesh = mesh(), .spacing = side_ / cells, .threads = threads},
+                                          knobs, points_, rays_, input_.must_answer);
+  }
+
+  Errors check(std::size_t m, const Subject& subject, std::size_t set, const Knobs& query_knobs) override {
+    const auto& answers = dynamic_cast<const FieldSubject&>(subject);
+    if (!answers.field()) return refused_wrongly(answers.refusal());
+    const bool bounded = methods_[m].info.claim == Claim::bounded;
+    Errors e = set == Set::trace ? check_rays(answers, query_knobs, bounded)
+                                 : check_points(answers, set, query_knobs, bounded);
+    if (set == Set::near) check_samples(*answers.field(), e);
+    const Knobs facts = answers.field()->facts();
+    e.extra.update(facts);
+    return e;
+  }
+
+ private:
+  const geometry::Mesh3f& mesh() const { return input_.dataset.mesh; }
+
+  geometry::Box3d finite_box() const {
+    geometry::Box3d box;
+    for (const auto& face : mesh().faces)
+      for (const std::uint32_t v : face)
+        if (geometry::is_finite(mesh().vertices.at(v))) box.grow(Vec3d(mesh().vertices[v]));
+    if (box.empty()) throw std::invalid_argument("the mesh has no finite triangles: no distance to it");
+    return box;
+  }
+  double reach() const {
+    double r = 0;
+    for (int k = 0; k < 3; ++k) r = std::max({r, std::abs(box_.low[k]), std::abs(box_.high[k])});
+    return 2 * r;
+  }
+
+  void make_points() {
+    geometry::Pcg32 random(input_.seed, 31);
+    points_.resize(2);
+    const auto faces = static_cast<std::uint32_t>(mesh().size());
+    while (points_[Set::near].size() < input_.points) {
+      const geometry::Triangle3d t(mesh().triangle(random.below(faces)));
+      double a = random.uniform(), b = random.uniform();
+      if (a + b > 1) a = 1 - a, b = 1 - b;
+      Vec3d p = t.a + (t.b - t.a) * a + (t.c - t.a) * b, off;
+      do {
+        for (int k = 0; k < 3; ++k) off[k] = random.uniform(-1.0, 1.0);
+      } while (length2(off) > 1);
+      p += off * (near_width * side_);
+      if (geometry::is_finite(Vec3f(p)))
+        points_[Set::near].push_back(Vec3f(p));
+      else if (++dropped_ > counted)
+        throw std::invalid_argument("the mesh has no finite triangles");
+    }
+    const Vec3d around = Vec3d::filled(0.1 * side_);
+    for (std::size_t i = 0; i < input_.points; ++i) {
+      Vec3d p;
+      for (int k = 0; k < 3; ++k) p[k] = random.uniform(box_.low[k] - around[k], box_.high[k] + around[k]);
+      points_[Set::uniform].push_back(Vec3f(p));
+    }
+  }
+  void make_rays() {
+    geometry::Pcg32 random(input_.seed, 32);
+    while (rays_.size() < input_.rays) {
+      Vec3d out, to;
+      do {
+        for (int k = 0; k < 3; ++k) out[k] = random.uniform(-1.0, 1.0);
+      } while (length2(out) > 1 || length2(out) < 0.01);
+      for (int k = 0; k < 3; ++k) to[k] = random.uniform(box_.low[k], box_.high[k]);
+      const Vec3f from(box_.centre() + normalized(out) * (1.5 * side_));
+      const Vec3d way = to - Vec3d(from);
+      rays_.push_back({from, Vec3f(normalized(way))});
+    }
+  }
+
+  const Truth& truth() {
+    if (!truth_) {
+      const geometry::Mesh3f* whole = input_.dataset.closed ? &mesh() : nullptr;
+      if (!input_.whole.faces.empty()) whole = &input_.whole;
+      truth_ = std::make_unique<Truth>(mesh(), whole);
+      const auto widened = [](const std::vector<Vec3f>& points) {
+        std::vector<Vec3d> r;
+        for (const Vec3f& p : points) r.push_back(Vec3d(p));
+        return r;
+      };
+      for (const auto& points : points_)
+        true_distances_.push_back(truth_->distances(widened(points), input_.threads));
+      true_hits_ = truth_->hits(rays_, input_.threads);
+    }
+    return *truth_;
+  }
+
+  Errors check_points(const FieldSubject& subject, std::size_t set, const Knobs& knobs, bool bounded) {
+    const bool sides = truth().has_sides();
+    Errors e;
+    Tally tally;
+    std::size_t wrong_sides = 0, told = 0;
+    for (std::size_t i = 0; i < points_[set].size(); ++i) {
+      const double d = true_distances_[set][i];
+      double answer = double(subject.distances[i]);
+      if (std::isnan(answer)) {
+        broken(e, "point " + std::to_string(i) + " is answered by no number");
+        continue;
+      }
+      const Vec3d p(points_[set][i]);
+      const bool wrong = sides && (answer < 0) != (d < 0) && std::abs(d) > slack_;
+      wrong_sides += wrong;
+      if (!sides) answer = std::abs(answer);
+      const double error = std::min((answer - d) / side_, 1.0);
+      if (set == Set::uniform) {
+        if (sides) tally.add(wrong, wrong ? (answer < 0 ? -1 : 1) : 0);
+      } else {
+        tally.add(std::abs(error), error);
+      }
+      if (!bounded) continue;
+      const auto certain = subject.field()->certain(p, knobs);
+      if (!certain) continue;
+      ++told;
+      const double own = sides ? certain->distance : std::abs(certain->distance);
+      const bool holds = certain->known ? std::abs(own - d) <= certain->error + slack_
+                                        : std::abs(own) <= std::abs(d) + slack_ && !wrong;
+      if (!holds)
+        broken(e, "at " + place(p) + " the distance is " + std::to_string(d) + ", told " +
+                      std::to_string(own) + " within " + std::to_string(certain->error));
+    }
+    tally.write(e);
+    e.extra = {
+        {"distance_field_signs_wrong", sides ? share(wrong_sides, points_[set].size()) : Knobs(nullptr)},
+        {"distance_field_bounded_points", told}};
+    return e;
+  }
+
+  Errors check_rays(const FieldSubject& subject, const Knobs& knobs, bool bounded) {
+    truth();
+    Errors e;
+    Tally tally;
+    std::size_t false_hits = 0, false_misses = 0, untold = 0, exhausted = 0, most = 0;
+    double steps = 0;
+    std::vector<Vec3d> met;
+    for (std::size_t i = 0; i < rays_.size(); ++i) {
+      const TraceAnswer& a = subject.traced[i];
+      const double t = true_hits_[i];
+      const bool hit = std::isfinite(a.t), truly = std::isfinite(t);
+      steps += a.steps, most = std::max<std::size_t>(most, a.steps), exhausted += a.exhausted;
+      false_hits += hit && !truly, false_misses += !hit && truly;
+      const bool silent = !hit && truly && !a.doubtful && !a.exhausted;
+      untold += silent;
+      const double error = hit && truly ? (double(a.t) - t) / side_ : hit == truly ? 0 : hit ? -1 : 1;
+      tally.add(std::min(std::abs(error), 1.0), std::clamp(error, -1.0, 1.0));
+      if (!bounded || !subject.field()->certain(Vec3d(rays_[i].origin), knobs)) continue;
+      if (silent)
+        broken(e,
+               "ray " + std::to_string(i) + " meets the surface at " + std::to_string(t) + ", told a miss");
+      if (hit) met.push_back(Vec3d(rays_[i].origin) + Vec3d(rays_[i].direction) * double(a.t));
+    }
+    const std::vector<double> there = truth().distances(met, input_.threads);
+    for (std::size_t i = 0; i < met.size(); ++i) {
+      const auto certain = subject.field()->certain(met[i], knobs);
+      if (std::abs(there[i]) > certain->error + std::abs(certain->distance) + slack_)
+        broken(e,
+               "a ray's hit at " + place(met[i]) + " is " + std::to_string(there[i]) + " from the surface");
+    }
+    tally.write(e);
+    const auto count = static_cast<double>(rays_.size());
+    e.extra = {{"distance_field_false_hits", false_hits},
+               {"distance_field_false_misses", false_misses},
+               {"distance_field_untold_misses", untold},
+               {"distance_field_exhausted", exhausted},
+               {"distance_field_steps_mean", most > 0 ? Knobs(steps / count) : Knobs(nullptr)},
+               {"distance_field_steps_max", most > 0 ? Knobs(most) : Knobs(nullptr)}};
+    return e;
+  }
+
+  /// The samples themselves, in cells.
+  void check_samples(const Field& field, Errors& e) {
+    const std::vector<Sample> samples = field.samples(sampled);
+    Knobs &max = e.extra["distance_field_sample_error_max"],
+          &mean = e.extra["distance_field_sample_error_mean"],
+          &wrong = e.extra["distance_field_sample_signs_wrong"];
+    max = mean = wrong = nullptr;
+    if (samples.empty()) return;
+    std::vector<Vec3d> at;
+    for (const Sample& s : samples) at.push_back(s.at);
+    const std::vector<double> d = truth().distances(at, input_.threads);
+    double sum = 0, worst = 0;
+    std::size_t signs = 0;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      const double off = std::abs(std::abs(samples[i].distance) - std::abs(d[i])) / side_;
+      sum += off, worst = std::max(worst, off);
+      signs += truth().has_sides() && (samples[i].distance < 0) != (d[i] < 0) && std::abs(d[i]) > slack_;
+    }
+    max = worst, mean = sum / static_cast<double>(at.size());
+    if (truth().has_sides()) wrong = share(signs, at.size());
+  }
+
+  static Knobs share(std::size_t part, std::size_t whole) {
+    return Knobs(static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(whole, 1)));
+  }
+  static void broken(Errors& e, std::string reason) {
+    if (e.within_claim) e.reason = std::move(reason);
+    e.within_claim = false;
+  }
+
+  const std::vector<Method>& methods_;
+  const BlockInput input_;
+  const geometry::Box3d box_;
+  const double side_, slack_;
+  std::size_t dropped_ = 0;
+  std::vector<std::vector<Vec3f>> points_;  // by set
+  std::vector<geometry::Rayf> rays_;
+  std::vector<QuerySet> sets_;
+  std::unique_ptr<Truth> truth_;
+  std::vector<std::vector<double>> true_distances_;
+  std::vector<double> true_hits_;
+};
+
+}  // namespace
+
+std::unique_ptr<Block> open_block(const std::vector<Method>& methods, BlockInput input) {
+  return std::make_unique<FieldBlock>(methods, std::move(input));
+}
+
+}  // namespace treeline::bench::distance_field

@@ -1,0 +1,103 @@
+#include "bench/distance_field/task.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "bench/core/registry.hpp"
+#include "bench/distance_field/block.hpp"
+#include "datasets_gen/hard/hard_case.hpp"
+
+namespace treeline::bench::distance_field {
+namespace {
+
+/// Damage that a field must stand or tell, and meshes of more than one shell.
+constexpr const char* damaged[] = {"nested_shells",          "icosphere+nested",     "icosphere+hole_2",
+                                   "icosphere+missing_1",    "icosphere+flipped_10", "icosphere+duplicated_1",
+                                   "icosphere+degenerate_1", "icosphere+unwelded",   "icosphere+inside_out"};
+constexpr std::size_t damaged_size = 5000;
+
+bool fits(const datasets::HardCase& c) {
+  const auto finite = [](const geometry::Vec3f& p) { return geometry::is_finite(p); };
+  return !c.for_points() && c.expect == datasets::Expect::answers && !c.mesh.faces.empty() &&
+         std::ranges::all_of(c.mesh.vertices, finite);
+}
+
+/// Of a damaged mesh, the mesh before: it tells the sides. Not where the damage moves them for good.
+geometry::Mesh3f before_damage(const std::string& name, std::size_t n, std::uint64_t seed) {
+  const std::size_t plus = name.find('+');
+  if (plus == std::string::npos || name.ends_with("+inside_out") || name.ends_with("+nested")) return {};
+  return datasets::generate(name.substr(0, plus), n, seed).mesh;
+}
+
+}  // namespace
+
+DistanceFieldTask::DistanceFieldTask()
+    : methods_(Registry<Method>::instance().in_order_of(TREELINE_TASK_METHODS)) {
+  for (const Method& m : methods_) infos_.push_back(m.info);
+}
+
+std::vector<std::pair<std::string, std::string>> DistanceFieldTask::not_built() const {
+  return parse_not_built(TREELINE_TASK_NOT_BUILT);
+}
+
+std::vector<BlockSpec> DistanceFieldTask::blocks(Profile profile) const {
+  switch (profile) {
+    case Profile::smoke:
+      return {{"icosphere", 1'000}};
+    case Profile::quick:
+      return {{"icosphere", 100'000}, {"nested_shells", 100'000}, {"icosphere+hole_2", 10'000}};
+    case Profile::full:
+      break;
+  }
+  std::vector<BlockSpec> r;
+  for (const std::size_t n : {10'000u, 100'000u, 1'000'000u})
+    for (const char* name : {"icosphere", "nested_shells", "torus_knot", "architecture", "icosphere+hole_2"})
+      r.push_back({name, n});
+  return r;
+}
+
+std::vector<BlockSpec> DistanceFieldTask::hard_blocks() const {
+  std::vector<BlockSpec> r;
+  for (const char* name : damaged) r.push_back({name, damaged_size, true});
+  for (const datasets::HardCase& c : datasets::hard_cases())
+    if (fits(c)) r.push_back({c.name, c.mesh.size(), true});
+  return r;
+}
+
+std::unique_ptr<Block> DistanceFieldTask::open(const BlockSpec& spec, const RunContext& context) const {
+  BlockInput input;
+  input.seed = context.seed;
+  input.quick = context.profile != Profile::full;
+  if (context.profile == Profile::smoke || spec.hard) input.points = input.rays = 500;
+  if (context.profile == Profile::full && !spec.hard) input.points = input.rays = 65536;
+  input.threads =
+      spec.hard ? 1 : context.threads;  // hard cases run in children of a fork: no thread pool here
+  if (spec.hard) {
+    for (datasets::HardCase& c : datasets::hard_cases())
+      if (c.name == spec.dataset && fits(c)) {
+        input.dataset.kind = datasets::Kind::mesh;
+        input.dataset.mesh = std::move(c.mesh);
+        return open_block(methods_, std::move(input));
+      }
+    if (std::ranges::find(damaged, spec.dataset) == std::end(damaged))
+      throw std::invalid_argument("no hard case for distance fields is called '" + spec.dataset + "'");
+  }
+  input.dataset = datasets::generate(spec.dataset, spec.n, context.seed);
+  input.whole = before_damage(spec.dataset, spec.n, context.seed);
+  if (spec.dataset.ends_with("+nested")) input.dataset.closed = false;  // its sides are no one's
+  return open_block(methods_, std::move(input));
+}
+
+std::unique_ptr<Block> DistanceFieldTask::open(datasets::Dataset dataset, const RunContext& context) const {
+  if (dataset.kind != datasets::Kind::mesh || dataset.mesh.faces.empty())
+    throw std::invalid_argument("'" + dataset.name +
+                                "' has no triangles; the task distance_field needs a mesh of triangles");
+  BlockInput input;
+  input.dataset = std::move(dataset);
+  input.seed = context.seed, input.threads = context.threads;
+  input.quick = context.profile != Profile::full;
+  if (context.profile == Profile::full) input.points = input.rays = 65536;
+  return open_block(methods_, std::move(input));
+}
+
+}  // namespace treeline::bench::distance_field

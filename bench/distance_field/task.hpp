@@ -1,0 +1,48 @@
+// The task distance_field: how far is it to the surface of a mesh, on which side, and what does a ray meet,
+// if only samples of the distance are kept?
+//
+// Every field is built at several resolutions (cells along the longest side of the mesh's box), with
+// distances known within a band of 3 cells on either side. Its build is all of it, trees included. Query
+// sets:
+//   near: points within 1 % of the longest side from the surface, so that every resolution of the sweep (at
+//     most 256) knows them. error and error_mean: the mean of |answer - truth| in longest sides; max, p99 and
+//     the signed bias alike. uniform: points of the box and a tenth around it: the share of wrong sides, as
+//     beyond its band a field knows no more. trace: rays from all around through the box: the error of t in
+//     longest sides, at most 1, which is that of a false hit and of a false miss.
+// Fields of its own (distance_field_…): spacing (in longest sides); sample_error_max, _mean (of the samples
+// in the band, in cells), sample_signs_wrong (their share, null where nothing tells sides); signs_wrong;
+// steps_mean, steps_max, exhausted, false_hits, false_misses, untold_misses (misses where there is a hit, and
+// the field did not say that it might be), and what the field tells of itself: known_samples, bound_cells
+// (the mean of its bricks' bounds on the error, in cells), told_closed, sign_conflicts. Truth: truth.hpp.
+// Claims: bounded: an answer is off by no more than the field said it might be; a ray that missed a surface
+// was told to be doubtful, and one that hit is within the bound of one. approximate: none.
+#pragma once
+
+#include "bench/distance_field/method.hpp"
+
+namespace treeline::bench::distance_field {
+
+class DistanceFieldTask final : public Task {
+ public:
+  DistanceFieldTask();
+  std::string name() const override { return "distance_field"; }
+  int version() const override { return 1; }
+  const std::vector<MethodInfo>& methods() const override { return infos_; }
+  std::vector<std::pair<std::string, std::string>> not_built() const override;
+  std::vector<BlockSpec> blocks(Profile) const override;
+  /// Damaged meshes, and those hard cases of the task ray that are closed or at least finite.
+  std::vector<BlockSpec> hard_blocks() const override;
+  datasets::Kind dataset_kind() const override { return datasets::Kind::mesh; }
+  std::unique_ptr<Block> open(const BlockSpec&, const RunContext&) const override;
+  std::unique_ptr<Block> open(datasets::Dataset, const RunContext&) const override;
+  std::vector<std::string> advise_on() const override { return {"near"}; }
+  void pictures(const BlockSpec&, const RunContext&, const std::string&) const override {}
+
+  const std::vector<Method>& registered() const { return methods_; }
+
+ private:
+  std::vector<Method> methods_;
+  std::vector<MethodInfo> infos_;
+};
+
+}  // namespace treeline::bench::distance_field
