@@ -13,7 +13,7 @@ const bool registered = register_tree<accel::BspTree, accel::BspTriangleNode>(
      .ladder = 50,
      .sweep_up_to_n = 500'000,  // at a million triangles one build takes nine to ten seconds
      .largest_n = 3'000'000,
-     .quick_largest_n = 500'000});
+     .quick_largest_n = 50'000});
 
 }  // namespace
 }  // namespace treeline::bench::closest_point

@@ -8,7 +8,7 @@ namespace {
 
 const bool registered = register_tree<accel::Bvh, accel::BvhNode>({.name = "bvh",
                                                                    .family = "bvh",
-                                                                   .build_knobs = leaf_size_knobs({4, 2, 8}),
+                                                                   .build_knobs = leaf_size_knobs({8, 2, 4}),
                                                                    .ladder = 20,
                                                                    .quick_builds = 1});
 

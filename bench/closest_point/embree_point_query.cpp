@@ -131,7 +131,7 @@ const bool registered = Registry<Method>::instance().add(
               .query_knobs = {Knobs{{"kernel", "textbook"}}, Knobs{{"kernel", "edges"}},
                               Knobs{{"kernel", "double"}}},
               .ladder = 60,
-              .quick_builds = 2},
+              .quick_builds = 1},
      .build = [](const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) -> std::unique_ptr<Index> {
        return std::make_unique<EmbreePointQuery>(mesh, knobs, threads);
      },

@@ -105,7 +105,7 @@ std::vector<PointSet> make_point_sets(const Mesh3f& mesh, const SetSizes& sizes,
                   .truth = 4});
   Draw middle(mesh, seed, 14);
   sets.push_back({.name = "centre",
-                  .points = made(sizes.other,
+                  .points = made(sizes.centre,
                                  [&](std::size_t) {
                                    const double radius = std::cbrt(middle.uniform()) * centre_radius;
                                    return Vec3f(centre + middle.direction() * (radius * diagonal));

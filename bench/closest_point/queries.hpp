@@ -32,7 +32,8 @@ struct PointSet {
 
 struct SetSizes {
   std::size_t near = 0;  // near, on_vertex: cheap queries, of which many are needed lest caches hold them all
-  std::size_t other = 0;  // all others
+  std::size_t other = 0;   // uniform, far
+  std::size_t centre = 0;  // the dearest
 };
 
 /// The box of the finite triangles; empty if there are none.

@@ -19,11 +19,12 @@ SetSizes set_sizes(std::size_t n, Profile profile) {
   const bool large = n > 300'000;
   switch (profile) {
     case Profile::smoke:
-      return {256, 256};
+      return {256, 256, 256};
     case Profile::quick:
-      return large ? SetSizes{16384, 1024} : SetSizes{n > 50'000 ? 8192u : 2048u, 512};
+      if (large) return {8192, 512, 128};
+      return n > 50'000 ? SetSizes{4096, 256, 64} : SetSizes{1024, 256, 64};
     case Profile::full:
-      return large ? SetSizes{262144, 32768} : SetSizes{65536, 16384};
+      return large ? SetSizes{262144, 32768, 8192} : SetSizes{65536, 16384, 4096};
   }
   return {};
 }
@@ -89,8 +90,8 @@ std::vector<BlockSpec> ClosestPointTask::blocks(Profile profile) const {
     case Profile::quick:
       return {{"icosphere", 1'000},      {"icosphere", 10'000}, {"icosphere", 100'000},
               {"icosphere", 1'000'000},  {"terrain", 10'000},   {"architecture", 10'000},
-              {"architecture", 100'000}, {"forest", 100'000},   {"nested_shells", 100'000},
-              {"needles", 20'000},       {"caps", 20'000}};
+              {"architecture", 100'000}, {"forest", 100'000},   {"nested_shells", 10'000},
+              {"needles", 5'000},        {"caps", 5'000}};
     case Profile::full:
       break;
   }

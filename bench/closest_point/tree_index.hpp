@@ -102,6 +102,8 @@ bool register_tree(MethodInfo info) {
   in_double.build_knobs.resize(1);
   in_double.scales = false;                                                      // as the other does
   in_double.largest_n = std::min(in_double.largest_n, in_double.sweep_up_to_n);  // where builds are dear
+  if (in_double.quick_largest_n < SIZE_MAX)
+    in_double.quick_largest_n = 20'000;  // the same, where time is short
   in_double.ladder += 1;
   Registry<Method>& registry = Registry<Method>::instance();
   return registry.add({.info = std::move(info), .build = build_tree<Tree, float, Node>}) &&

@@ -17,8 +17,9 @@ over that of the whole mesh in the same query set; below 1 is faster. Where erro
 of single precision."""
 
 ASTRAY = """The share of answers off by more than a millionth of the diagonal, on soups of thin triangles of aspect 10 to
-100,000. In most of these another triangle is named than the nearest, so that measuring the answer again does not mend it.
-A mark at the left edge had none among the queries judged."""
+100,000.{named} A mark at the left edge had none among the queries judged."""
+NAMED = """ Of these, {share:.0%} name a triangle that is itself farther than the nearest by more than that, so that measuring
+the answer again does not mend them."""
 
 
 def cards(task, numbers, width="container"):
@@ -126,7 +127,15 @@ def _astray(task, numbers, width):
         chart = _astray_chart(values, looks, width)
         title = f"{dataset}, {count(n)} triangles: {query_set}"
         figures.append(Figure(f"{task.name}-astray-{dataset}-{query_set}", title, dataset, chart))
-    return Card(f"{task.name}-card-astray", "Led astray by slivers", ASTRAY, figures)
+    return Card(f"{task.name}-card-astray", "Led astray by slivers", ASTRAY.format(named=_named(_rows(task))), figures)
+
+
+def _named(rows):
+    """How many of the answers that are far off name a farther triangle."""
+    shares = [(row, share) for found in astray(rows).values() for row, share in found]
+    off = sum(share for _, share in shares)
+    farther = sum(row.extra.get("closest_point_much_farther") or 0 for row, _ in shares)
+    return NAMED.format(share=farther / off) if off else ""
 
 
 def _astray_chart(values, looks, width):

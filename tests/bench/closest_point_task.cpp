@@ -100,7 +100,7 @@ TEST(ClosestPointTask, AsksAllThatItSays) {
 
 TEST(ClosestPointQueries, AreWhereTheySay) {
   const auto mesh = datasets::generate("icosphere", 2000, 1).mesh;
-  const auto sets = make_point_sets(mesh, {300, 300}, 3);
+  const auto sets = make_point_sets(mesh, {300, 300, 300}, 3);
   const geometry::Box3d box = box_of(mesh);
   const double diagonal = geometry::length(box.extent());
   const auto distances = [&](std::size_t set) {
@@ -124,7 +124,7 @@ TEST(ClosestPointQueries, AreWhereTheySay) {
 
 TEST(ClosestPointQueries, SortedSetsHoldTheSameQueries) {
   const auto mesh = datasets::generate("icosphere", 2000, 1).mesh;
-  const auto sets = make_point_sets(mesh, {300, 200}, 3);
+  const auto sets = make_point_sets(mesh, {300, 200, 1}, 3);
   for (const std::size_t s : {1u, 3u}) {
     const PointSet &sorted = sets[s], &given = sets[sorted.truth];
     ASSERT_EQ(sorted.place.size(), given.points.size());

@@ -42,7 +42,7 @@ void expect_agreement(const Mesh3f& mesh, const std::vector<Vec3f>& queries) {
 TEST(ClosestPointTruth, AgreesWithTheOracleOnAllQuerySets) {
   for (const char* name : {"icosphere", "forest", "architecture", "needles", "caps"}) {
     const auto dataset = datasets::generate(name, 1000, 3);
-    for (const auto& set : make_point_sets(dataset.mesh, {6, 3}, 5)) {
+    for (const auto& set : make_point_sets(dataset.mesh, {6, 3, 3}, 5)) {
       SCOPED_TRACE(std::string(name) + " " + set.name);
       expect_agreement(dataset.mesh, set.points.floats);
     }
@@ -103,7 +103,7 @@ TEST(ClosestPointTruth, KeepsItsConventions) {
 
 TEST(ClosestPointTruth, IsTheSameOnSeveralThreads) {
   const auto mesh = datasets::generate("forest", 2000, 3).mesh;
-  const auto queries = make_point_sets(mesh, {700, 1}, 5)[0].points.floats;
+  const auto queries = make_point_sets(mesh, {700, 1, 1}, 5)[0].points.floats;
   EXPECT_EQ(true_closest(mesh, queries, 1), true_closest(mesh, queries, 2));
 }
 

@@ -154,6 +154,17 @@ class RayClaims(unittest.TestCase):
         self.assertIn(claims.PLACES["coherent"], v.condition)
         self.assertNotIn(claims.PLACES["scattered"], v.condition)
 
+    def test_s3_takes_closest_points_too(self):
+        def trees(task, sets, bvh):
+            return [ray(m, t, query_set=s, build={"leaf_size": 8}) | {"task": task} for s in sets
+                    for m, t in ((KD_RAY, 200), (BSP_RAY, 300), (BVH_RAY, bvh))]  # fmt: skip
+
+        rows = trees("ray", ("camera",), 100) + trees("closest_point", ("near", "far"), 400)
+        v = self.verdict("S3", rows)
+        self.assertEqual(v.word, claims.ONLY_IF)
+        self.assertEqual(len(v.figures), 6)  # two contests: rays, queries near the mesh and away from it
+        self.assertNotIn(claims.PLACES["surface"], v.condition)
+
     def test_s4_takes_cost_apart(self):
         def costs(seconds, bytes):
             return [ray(BVH_RAY, build_s=1.0, bytes=1000, ray_references=1000),
