@@ -5,13 +5,17 @@
 
 #include "accel/batch.hpp"
 #include "accel/bvh/triangles.hpp"
+#include "accel/bvh/wide_triangles.hpp"
 #include "accel/distance_field.hpp"
 #include "bench/core/registry.hpp"
 #include "bench/distance_field/method.hpp"
 
 namespace treeline::bench::distance_field {
 
-using Tree = accel::Bvh<accel::Triangles<float>>;
+/// The wide tree where it answers closest points.
+using WideTree = accel::Bvh<accel::Triangles<float>, accel::Wide>;
+using Tree =
+    std::conditional_t<accel::ClosestPointIndex<WideTree>, WideTree, accel::Bvh<accel::Triangles<float>>>;
 
 template <class Samples, template <class> class LookUp>
 class Sampled final : public Field {
@@ -82,8 +86,15 @@ class Sampled final : public Field {
     accel::field::FieldOptions options;
     options.spacing = input.spacing, options.band = input.band, options.threads = input.threads;
     options.support = cubic ? accel::field::Support::tricubic : accel::field::Support::trilinear;
-    const Tree tree(input.mesh);
+    const Tree tree(input.mesh, tree_options<typename Tree::Options>(input.threads));
     return accel::field::sample_mesh<Samples>(input.mesh, tree, options);
+  }
+
+  template <class Options>
+  static Options tree_options(int threads) {
+    Options options;
+    if constexpr (requires { options.threads; }) options.threads = threads;
+    return options;
   }
 
   Samples samples_;
