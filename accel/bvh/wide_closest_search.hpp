@@ -26,7 +26,7 @@ struct ClosestSpace {
 };
 
 /// The nearest triangle so far; what is measured is in the user's units.
-struct Nearest {
+struct ClosestSoFar {
   double distance2 = std::numeric_limits<double>::infinity();
   double low = distance2, high = distance2;  // bounds on the true squared distance; where certified
   Id id = no_id;
@@ -47,7 +47,7 @@ class ClosestSearch {
  public:
   using Point = geometry::Vec<double, 3>;
 
-  ClosestSearch(const ClosestSpace& space, const ClosestQuestion& question, Nearest& best)
+  ClosestSearch(const ClosestSpace& space, const ClosestQuestion& question, ClosestSoFar& best)
       : space_(space),
         question_(question),
         best_(best),
@@ -294,7 +294,7 @@ class ClosestSearch {
 
   const ClosestSpace& space_;
   const ClosestQuestion& question_;
-  Nearest& best_;
+  ClosestSoFar& best_;
   double factor_, inverse2_;
   Point point_;  // in the tree's space
   float upper_ = 0;
