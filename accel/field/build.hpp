@@ -48,9 +48,12 @@ class FieldBuilder {
  public:
   FieldBuilder(const geometry::Mesh3f& mesh, const Tree& tree, const Sign& sign, const FieldOptions& options)
       : mesh_(mesh), tree_(tree), sign_(sign), tasks_(options.threads), most_(options.max_bytes) {
-    const auto box = tree.bounds();
-    if (tree.size() == 0 || box.empty()) throw InvalidInput("the mesh has no triangles: no distance to it");
-    made_.bounds_ = {Vec3d(box.low), Vec3d(box.high)};
+    for (const auto& face : mesh.faces)  // not the tree's: it may leave out what no ray hits
+      if (const auto t =
+              geometry::Triangle3f{mesh.vertices[face[0]], mesh.vertices[face[1]], mesh.vertices[face[2]]};
+          is_finite(t))
+        made_.bounds_.grow(geometry::Triangle3d(t).box());
+    if (made_.bounds_.empty()) throw InvalidInput("the mesh has no triangles: no distance to it");
     std::tie(made_.lattice_, made_.widths_) = lattice_around(made_.bounds_, options);
     far_ = static_cast<float>(made_.widths_.far);
     link_ = made_.lattice_.spacing * (1 + 0x1p-20) + 2 * made_.widths_.rounding;

@@ -94,8 +94,8 @@ inline std::pair<Lattice, Widths> lattice_around(const geometry::Box3d& box, con
   double reach = 0;
   for (int k = 0; k < 3; ++k) reach = std::max({reach, std::abs(box.low[k]), std::abs(box.high[k])});
   if (h < 0x1p-20 * reach)
-    throw InvalidInput("spacing is " + std::to_string(h / reach) +
-                       " of the largest coordinate: below 2^-20 single precision has no room for it");
+    throw InvalidInput("the largest coordinate is " + std::to_string(reach / h) +
+                       " cells: single precision has no room for more than 2^20");
 
   Lattice lattice;
   lattice.spacing = h;

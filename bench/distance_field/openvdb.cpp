@@ -36,9 +36,6 @@ class OpenVdb final : public Field {
   OpenVdb(const Input& input, const Knobs& knobs) {
     static const bool initialized = (openvdb::initialize(), true);
     static_cast<void>(initialized);
-    for (std::size_t v = 0; v < input.mesh.vertices.size(); ++v)
-      if (!geometry::is_finite(input.mesh.vertices[v]))
-        throw std::invalid_argument("vertex " + std::to_string(v) + " is not finite: OpenVDB would not end");
     const auto transform = openvdb::math::Transform::createLinearTransform(input.spacing);
     const int flags = knobs.at("renormalize").get<bool>() ? 0 : int(openvdb::tools::DISABLE_RENORMALIZATION);
     const auto band = static_cast<float>(input.band);

@@ -279,7 +279,7 @@ TEST(SampledField, RefusesWhatItCannotHold) {
   expect_refusal(with([&](auto& o) { o.band = nan; }), "band is nan");
   expect_refusal(with([](auto& o) { o.band = 0; }), "band is 0");
   expect_refusal(with([](auto& o) { o.threads = 0; }), "threads is 0");
-  expect_refusal(with([](auto& o) { o.spacing = 1e-30; }), "below 2^-20");
+  expect_refusal(with([](auto& o) { o.spacing = 1e-30; }), "no room for more than 2^20");
   expect_refusal(with([](auto& o) { o.resolution = 1 << 19; }), "bytes");
   expect_refusal(with([](auto& o) { o.max_bytes = 100000; }), "max_bytes is 100000");
   // Dense: 1024³ samples and more.
