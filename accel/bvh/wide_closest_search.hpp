@@ -251,7 +251,7 @@ class ClosestSearch {
   std::optional<ExactlyNear> user_triangle(int i) const {
     const auto t = eight_.triangle(i);
     const auto corner = [&](const Point& p) { return p * (1 / factor_) + Point(space_.place.centre); };
-    return ExactlyNear(user_point(), {corner(t.a), corner(t.b), corner(t.c)});
+    return ExactlyNear(user_point(), {corner(t.a), corner(t.b), corner(t.c)}, eight_.certain_feature(i));
   }
 
   template <class W>
