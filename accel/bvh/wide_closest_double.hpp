@@ -109,6 +109,14 @@ class EightClosest {
     const double of_v = doubt * std::sqrt(ac2), of_w = doubt * std::sqrt(ab2);
     return v > of_v && w > of_w && 1 - v - w > of_v + of_w + 8 * u ? 0 : -1;
   }
+  /// Whether two are nearest, for certain, in a corner that they share.
+  bool share_corner(int i, int j) const {
+    const int f = certain_feature(i) - 4, g = certain_feature(j) - 4;
+    if (f < 0 || g < 0) return false;
+    for (int k = 0; k < 3; ++k)
+      if (corner_[f][k][i] != corner_[g][k][j]) return false;
+    return true;
+  }
   /// The nearest point and where on the triangle it lies; of features as near the first in the order of
   /// ClosestOnTriangle's candidates.
   Feature nearest(int i, Point& point) const {
