@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "accel/bvh/wide_closest.hpp"
 #include "accel/simd/lanes.hpp"
@@ -50,8 +51,10 @@ class EightClosest {
     const V ab = b - a, bc = c - b, ca = a - c, pa = p - a, pb = p - b, pc = p - c;
     const F ab2 = dot(ab, ab), bc2 = dot(bc, bc), ca2 = dot(ca, ca);
     const auto from_edge = [&](int edge, const V& to_p, const V& along, const F& whole, const V& from_end) {
+      const F along_p = dot(to_p, along);
       // 0 / 0, of an edge without a length, becomes 0.
-      const F s = min(max(dot(to_p, along) / whole, zero), one);
+      const F s = min(max(along_p / whole, zero), one);
+      along_p.store(along_[edge]), whole.store(edge2_[edge]), dot(to_p, to_p).store(corner2_[edge]);
       const V r = to_p - along * s;
       // An end is the corner itself.
       const F d2 = chosen(one <= s, dot(from_end, from_end), dot(r, r));
@@ -69,7 +72,7 @@ class EightClosest {
     const F d_face = chosen(inside, dot(r, r), F::broadcast(std::numeric_limits<double>::infinity()));
     v.store(share_[3]), w.store(share_[4]), d_face.store(distance2_[3]);
     min(min(d_ab, d_bc), min(d_ca, d_face)).store(least_);
-    ab2.store(ab2_), ca2.store(ac2_), n2.store(n2_), dot(pa, pa).store(pa2_);
+    n2.store(n2_);
   }
 
   Id id(int i) const { return id_[i]; }
@@ -81,12 +84,38 @@ class EightClosest {
   /// What was measured lies at most `above` over the true squared distance, and `below` under it.
   void error(int i, double& above, double& below) const {
     constexpr double u = geometry::tolerance::unit_roundoff<double>;
-    const double shorter = std::min(ab2_[i], ac2_[i]), longer = std::max(ab2_[i], ac2_[i]);
+    const double shorter = std::min(edge2_[0][i], edge2_[2][i]),
+                 longer = std::max(edge2_[0][i], edge2_[2][i]);
     below = u * (20 * least_[i] + 72 * longer) + 0x1p-1000;
     // t² and h²; |n| itself is off by 6 u |ab| |ac|.
-    const double t2 = 36 * u * 36 * u * (shorter / n2_[i]) * longer * pa2_[i],
+    const double t2 = 36 * u * 36 * u * (shorter / n2_[i]) * longer * corner2_[0][i],
                  h2 = 2 * (n2_[i] / longer + 36 * u * u * shorter);
     above = below + (t2 < h2 ? t2 : h2 > 0 ? h2 : 0);
+  }
+  /// The feature that is nearest, as in geometry::exact_feature, if it is a corner or the face and the signs
+  /// that tell are beyond doubt; else -1. A dot product is off by 8 u of its factors' lengths (5 u, and 3 u
+  /// for p), which is doubled; a weight by 30 u k |p - a| |ac| / |n|, or |ab|, likewise.
+  int certain_feature(int i) const {
+    constexpr double u = geometry::tolerance::unit_roundoff<double>, doubt2 = 16 * u * 16 * u;
+    for (int j = 0; j < 3; ++j) {
+      const int before = (j + 2) % 3;  // the edge that ends here
+      const double out = along_[j][i], past = along_[before][i] - edge2_[before][i];
+      if (out < 0 && past > 0 && out * out > doubt2 * (corner2_[j][i] * edge2_[j][i]) &&
+          past * past > 2 * doubt2 * edge2_[before][i] * (corner2_[before][i] + edge2_[before][i]))
+        return 4 + j;
+    }
+    const double v = share_[3][i], w = share_[4][i], ab2 = edge2_[0][i], ac2 = edge2_[2][i];
+    const double doubt = 64 * u * std::sqrt(ab2 * ac2 * corner2_[0][i]) / n2_[i];
+    const double of_v = doubt * std::sqrt(ac2), of_w = doubt * std::sqrt(ab2);
+    return v > of_v && w > of_w && 1 - v - w > of_v + of_w + 8 * u ? 0 : -1;
+  }
+  /// Whether two are nearest, for certain, in a corner that they share.
+  bool share_corner(int i, int j) const {
+    const int f = certain_feature(i) - 4, g = certain_feature(j) - 4;
+    if (f < 0 || g < 0) return false;
+    for (int k = 0; k < 3; ++k)
+      if (corner_[f][k][i] != corner_[g][k][j]) return false;
+    return true;
   }
   /// The nearest point and where on the triangle it lies; of features as near the first in the order of
   /// ClosestOnTriangle's candidates.
@@ -120,7 +149,10 @@ class EightClosest {
   Id id_[most];
   alignas(64) double distance2_[4][most];  // to ab, bc, ca, and the face, infinite where not above it
   alignas(64) double share_[5][most];      // along the edges; weights of b and c
-  alignas(64) double least_[most], ab2_[most], ac2_[most], n2_[most], pa2_[most];
+  alignas(64) double least_[most], n2_[most];
+  // Of each edge: the dot product with p, from its beginning, its squared length, and p's squared distance
+  // from its beginning.
+  alignas(64) double along_[3][most], edge2_[3][most], corner2_[3][most];
 };
 
 }  // namespace treeline::accel::wide

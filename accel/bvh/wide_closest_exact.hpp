@@ -15,8 +15,9 @@ struct ExactlyNear {
   geometry::Triangle<double> triangle;
   int feature;  // as in geometry::ClosestOnTriangle
 
-  ExactlyNear(const geometry::Vec3d& p, const geometry::Triangle<double>& t)
-      : triangle(t), feature(geometry::exact_feature(p, t)) {}
+  /// known: the feature, or -1 where it is to be found.
+  ExactlyNear(const geometry::Vec3d& p, const geometry::Triangle<double>& t, int known)
+      : triangle(t), feature(known >= 0 ? known : geometry::exact_feature(p, t)) {}
 
   const geometry::Vec3d& corner(int i) const {
     return i % 3 == 0 ? triangle.a : i % 3 == 1 ? triangle.b : triangle.c;

@@ -52,7 +52,8 @@ class ClosestSearch {
         question_(question),
         best_(best),
         factor_(static_cast<double>(space.place.scale.factor())),
-        inverse2_(square(static_cast<double>(space.place.scale.inverse()))),
+        inverse_(static_cast<double>(space.place.scale.inverse())),
+        inverse2_(inverse_ * inverse_),
         point_((Point(question.point) - Point(space.place.centre)) * factor_) {}
 
   /// hint: a leaf that is likely to be near, or no_ref.
@@ -68,7 +69,6 @@ class ClosestSearch {
   }
 
  private:
-  static constexpr double square(double x) { return x * x; }
   const Line* lines() const { return space_.tree.lines.data(); }
 
   /// What squared distances are to be at most, in the tree's units, its own rounding included.
@@ -205,13 +205,15 @@ class ClosestSearch {
     if (eight_.size() == 0) return;
     eight_.measure(point_);
     int winner = -1;
+    best_lane_ = -1;
     for (int i = 0; i < eight_.size(); ++i)
       if (is_better(i)) winner = i;
     if (winner >= 0) {
       Point point;
       best_.feature = eight_.nearest(winner, point);
-      best_.point = point * (1 / factor_) + Point(space_.place.centre);
+      best_.point = point * inverse_ + Point(space_.place.centre);
       if (space_.gives_hints) best_.leaf = leaf_[winner];
+      if (certified && !best_.exact) best_.exact = user_triangle(winner);
     }
     eight_.clear();
   }
@@ -237,12 +239,17 @@ class ClosestSearch {
         if (!is_within(user_point(), *(exact = user_triangle(i)), question_.limit)) return false;
       }
       if (!(high < best_.low)) {
-        if (!exact) exact = user_triangle(i);
-        const int order = compare(user_point(), *exact, *best_.exact);
-        if (order > 0 || (order == 0 && id > best_.id)) return false;
+        if (best_lane_ >= 0 && eight_.share_corner(i, best_lane_)) {
+          if (id > best_.id) return false;
+        } else {
+          if (!exact) exact = user_triangle(i);
+          if (!best_.exact) best_.exact = user_triangle(best_lane_);
+          const int order = compare(user_point(), *exact, *best_.exact);
+          if (order > 0 || (order == 0 && id > best_.id)) return false;
+        }
       }
       best_.distance2 = d2, best_.low = low, best_.high = high, best_.id = id;
-      best_.exact = exact ? std::move(exact) : user_triangle(i);
+      best_.exact = std::move(exact), best_lane_ = i;
       return true;
     }
   }
@@ -250,8 +257,8 @@ class ClosestSearch {
   /// As the user gave it: moving and scaling lost nothing.
   std::optional<ExactlyNear> user_triangle(int i) const {
     const auto t = eight_.triangle(i);
-    const auto corner = [&](const Point& p) { return p * (1 / factor_) + Point(space_.place.centre); };
-    return ExactlyNear(user_point(), {corner(t.a), corner(t.b), corner(t.c)});
+    const auto corner = [&](const Point& p) { return p * inverse_ + Point(space_.place.centre); };
+    return ExactlyNear(user_point(), {corner(t.a), corner(t.b), corner(t.c)}, eight_.certain_feature(i));
   }
 
   template <class W>
@@ -295,12 +302,13 @@ class ClosestSearch {
   const ClosestSpace& space_;
   const ClosestQuestion& question_;
   ClosestSoFar& best_;
-  double factor_, inverse2_;
+  double factor_, inverse_, inverse2_;
   Point point_;  // in the tree's space
   float upper_ = 0;
   int count_ = 0;
   Noted noted_[room];
   EightClosest eight_;
+  int best_lane_ = -1;  // of `eight_`, where the best is among them
   Ref leaf_[EightClosest::most];
 };
 
