@@ -8,6 +8,7 @@
 #include <oneapi/tbb/task_group.h>
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,13 @@ inline constexpr std::size_t batch_chunk = 256;
 
 inline void check_threads(int threads) {
   if (threads < 1) throw InvalidInput("threads is " + std::to_string(threads) + "; it must be at least 1");
+}
+
+/// Of a build option that stands for a cost.
+inline void check_cost(const char* name, double value) {
+  if (!(value > 0 && value <= std::numeric_limits<double>::max()))
+    throw InvalidInput(std::string(name) + " is " + std::to_string(value) +
+                       "; it must be positive and finite");
 }
 
 /// Asking TBB for more workers than it may have makes it print.

@@ -68,8 +68,18 @@ struct WideOf {};
 /// share.
 template <int Bits = 16>
 struct WideCompact {};
+namespace detail {
+template <class...>
+inline constexpr bool never = false;
+}
 template <class Primitives, class Layout = Binary>
-class Bvh;
+class Bvh {
+  static_assert(
+      detail::never<Primitives, Layout>,
+      "no such Bvh, or its header is missing (accel/bvh.hpp has all): of triangles, Wide, WideOf and "
+      "WideCompact take Triangles<float, geometry::Watertight> and Triangles<float, geometry::Exact>; "
+      "for doubles there is the binary layout");
+};
 
 // ---- build ---------------------------------------------------------------------------------------------
 
@@ -79,7 +89,8 @@ enum class NonFinite {
   drop     ///< leave it out; stats().dropped counts it; ids stay those of the input
 };
 
-/// Knobs common to all builders; each tree adds its own in a struct that derives from this one.
+/// Knobs common to most builders. Trees with knobs of their own have a struct that derives from this one, but
+/// for those whose leaves have a fixed size, whose structs repeat what applies.
 struct BuildOptions {
   NonFinite non_finite = NonFinite::refuse;
   int leaf_size = 8;  ///< at most so many primitives in a leaf, where they can be told apart
@@ -87,7 +98,9 @@ struct BuildOptions {
 
 struct TreeStats {
   std::size_t primitives = 0;  ///< kept in the tree
-  std::size_t dropped = 0;     ///< left out because not finite
+  /// Left out because not finite; of triangles also those of exactly no area, which no ray hits (trees that
+  /// answer closest points keep these apart, for closest points alone).
+  std::size_t dropped = 0;
   std::size_t references = 0;  ///< primitive references over all leaves (≥ primitives where trees duplicate)
   std::size_t inner_nodes = 0;
   std::size_t oblique_nodes = 0;  ///< inner nodes whose plane is no axis plane (BSP)
@@ -143,8 +156,12 @@ struct Neighbor {
 /// real, but something nearer may be missing.
 template <class T>
 struct NearestOptions {
-  T max_distance = std::numeric_limits<T>::infinity();  ///< nothing farther is returned; inclusive
-  double epsilon = 0;  ///< the i-th distance is at most (1 + epsilon) times the true i-th, up to rounding
+  /// Inclusive: all that is within it counts, and what is beyond by no more than rounding may (see within).
+  T max_distance = std::numeric_limits<T>::infinity();
+  /// The i-th distance is at most (1 + epsilon) times the true i-th (of the distances as real numbers;
+  /// epsilon below some units in the scalar's last place promises no more than an exact search does). Where
+  /// fewer than k are within max_distance, none of them is missing.
+  double epsilon = 0;
   /// Leaves measured, at least 1; no bound on the error. With a finite max_distance a search that has used
   /// them up ends with what it has found; without one it goes on until it has found k.
   std::size_t max_leaves = static_cast<std::size_t>(-1);
@@ -153,8 +170,11 @@ struct NearestOptions {
 };
 
 struct WithinOptions {
-  bool sorted = false;                                 ///< nearest first, ties by lower id
-  std::size_t at_most = static_cast<std::size_t>(-1);  ///< only the nearest so many (sorted, then)
+  static constexpr std::size_t all = static_cast<std::size_t>(-1);
+  bool sorted = false;        ///< nearest first, ties by lower id
+  std::size_t at_most = all;  ///< only the nearest so many; these are sorted, however few there are
+
+  bool ranked() const { return sorted || at_most != all; }
 };
 
 /// Variable-length answers of a batch: those of query i are items[offsets[i]] … items[offsets[i + 1] - 1].
@@ -202,8 +222,10 @@ struct ClosestPoint {
 /// nearest: the k nearest, nearest first, ties by lower id; writes min(k, size) of them (fewer, if options
 ///   say so) to out, which must hold min(k, size), and returns how many. The batch writes k per query,
 ///   padding with no_id and infinite distance.
-/// within: all at a distance ≤ radius, in no particular order unless the options ask for one; within_squared:
-///   at a squared distance ≤ radius2; count_within: how many. inside: ids of all in the closed box.
+/// within: all at a distance ≤ radius, as real numbers, and none farther by more than rounding (a relative
+///   (D + 2) / 2 units in the last place of the scalar), in no particular order unless the options ask for
+///   one; within_squared: at a squared distance, as the index computes it, ≤ radius2; count_within: how many.
+///   inside: ids of all in the closed box, exactly.
 /// Squared distances are those of the caller's units in the tree's scalar, and may be 0 or lose digits though
 /// the distance is not 0, or be infinite though it is finite (for float beyond some 1e-19 and 1e19). The
 /// ranking does not suffer: points are ranked by distances of a wider range then, and ties are only those
@@ -239,6 +261,17 @@ concept NeighborIndex = requires(
 /// Rays against triangles; triangles are closed sets and hit from both sides.
 /// closest_hit: the hit of smallest t in [t_min, t_max] (ties: lower id). any_hit: whether there is one.
 /// All throw InvalidInput for a ray with a NaN, an infinite origin or direction, or a zero direction.
+///
+/// The wide trees over triangles (bvh/wide_triangles.hpp; float only) have more than every tree has:
+/// - geometry::Exact for their ray test: hits decided without an error, t rounded once; no other tree takes
+///   it.
+/// - closest_hit and any_hit of a span take a RayBatch: singly, streams (several rays in flight), packets
+///   (sixteen neighbours together) or automatic; the answers are the same.
+/// - all_hits(ray, hits): every hit in [t_min, t_max], nearest first, ties by lower id.
+/// - refit(triangles or mesh, threads): the same triangles with moved corners (not for WideCompact).
+/// - Bvh(triangles or mesh, options, build): with another builder, build(triangles, BinaryBuildOptions) →
+///   BinaryTree: build_binned (the default), build_sweep, build_spatial, build_ploc (bvh/build_*.hpp), each
+///   followed by reinserted (bvh/reinsertion.hpp) or not.
 template <class I>
 concept RayIndex = requires(const I& index, const typename I::Ray& ray, std::span<const typename I::Ray> rays,
                             std::span<Hit<typename I::Scalar>> hits, std::span<std::uint8_t> any, int threads,

@@ -5,12 +5,12 @@
 // is rebuilt O(log n) times. Removed points are marked, skipped in answers, and dropped when their tree is
 // next rebuilt, at the latest when half of it is gone. Queries ask every tree, the largest first and the
 // others only as far as what has been found, and the loose points, and merge; the answers are those of one
-// tree over the points that are there, to the bit (where squared distances neither vanish nor overflow in a
-// cloud of parts of very different size).
+// tree over the points that are there, to the bit (see dynamic_measure.hpp).
 //
 // Cost: insertion O(log n) rebuilds a point, amortised; a query visits every tree, at most log2(n / block) +
 // 1 of them. Known weakness: queries are slower than on one tree (rebuild() makes it one), and a search among
-// many removed points asks for more than it returns. Not safe to change while it is queried.
+// many removed points asks for more than it returns. Parts of very different size, some of which alone would
+// be scaled and together are not, are asked twice. Not safe to change while it is queried.
 #pragma once
 
 #include <algorithm>
@@ -18,9 +18,11 @@
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "accel/batch.hpp"
 #include "accel/concepts.hpp"
+#include "accel/dynamic_measure.hpp"
 #include "accel/loose_points.hpp"
 #include "accel/point_checks.hpp"
 #include "accel/point_set.hpp"
@@ -37,6 +39,7 @@ struct DynamicOptions {
   double growth = 4;
 };
 
+/// Tree: one of this library's over points, of which it also needs measure().
 template <NeighborIndex Tree>
 class DynamicPoints {
  public:
@@ -116,24 +119,19 @@ class DynamicPoints {
     std::unique_ptr<Tree> tree;
     std::size_t dead = 0;
 
-    bool holds(Id id) const {
-      if (id < ids.front() || id > ids.back()) return false;
-      const bool all = ids.back() - ids.front() + std::size_t{1} == ids.size();
-      return all || std::binary_search(ids.begin(), ids.end(), id);
+    /// Where the point of an id is, if it is or was here.
+    std::optional<std::size_t> place(Id id) const {
+      const auto at = std::lower_bound(ids.begin(), ids.end(), id);
+      if (at == ids.end() || *at != id) return {};
+      return static_cast<std::size_t>(at - ids.begin());
     }
   };
 
   using Checks = PointChecks<Scalar, dimension>;
-  using Square = typename SquareType<Scalar>::Type;
+  using Measure = PointMeasure<Scalar, dimension>;
+  using Query = DynamicQuery<Scalar, dimension>;
+  using Ranked = Neighbor<SquareOf<Scalar>>;         // its distance is a rank
   using Listed = std::vector<std::pair<Id, Point>>;  // ascending by id
-  /// Where the scalar's squared distance has lost digits, ranked by one that has not.
-  struct Ranked {
-    Square distance2;
-    Found found;
-    bool operator<(const Ranked& o) const {
-      return distance2 < o.distance2 || (distance2 == o.distance2 && found.id < o.found.id);
-    }
-  };
   template <class Item>
   struct Gathered {
     std::vector<Item> best, more, merged;
@@ -144,30 +142,27 @@ class DynamicPoints {
     std::vector<Found> told;
   };
 
-  /// Whether a squared distance has all its digits: trees scale their points to keep them in range, but
-  /// answer in the caller's units.
-  static bool is_sound(Scalar distance2) {
-    using Limits = std::numeric_limits<Scalar>;
-    return distance2 <= Limits::max() && distance2 >= Limits::min() / Limits::epsilon();
-  }
-  static Square square(Scalar distance2, const Point& p, const Point& q);
-  static Scalar told_distance2(Scalar distance2, const Point& p, const Point& q);
-  static bool reaches(Scalar radius, Scalar distance2, const Point& p, const Point& q);
-  static const Found& found(const Found& f) { return f; }
-  static const Found& found(const Ranked& r) { return r.found; }
+  /// Whether squared distances in the caller's units compare as ranks do: trees scale their points to keep
+  /// squares in range, but answer in the caller's units.
+  bool is_sound(Scalar distance2) const { return lowest_sound_ <= distance2 && distance2 <= highest_sound_; }
+  void measure_anew();
 
   void merge_alive(const Part& part, Listed& points) const;
   void merge_loose(Listed& points) const;
   Part built(const Listed& points) const;
   void add(Part part);
+  void shrink(std::size_t part);
 
   bool is_there(const Part& part, Id local) const { return part.dead == 0 || there_[part.ids[local]]; }
   template <class W, class F>
   void each_within(const Point& q, Scalar radius, W& work, F&& f) const;
   std::size_t asked_of(const Part& part, std::size_t k) const;
   template <class Item, class W>
-  bool gather(const Point& q, std::size_t k, const NearestOptions<Scalar>& options,
+  bool gather(const Point& q, const Query& query, std::size_t k, const NearestOptions<Scalar>& options,
               std::span<const Found> first, Scratch& s, Gathered<Item>& g, W& work) const;
+  template <class W>
+  void gather_widely(const Point& q, const Query& query, std::size_t k, Scalar max_distance, Scratch& s,
+                     W& work) const;
   template <class W>
   std::size_t find_nearest(const Point& q, const NearestOptions<Scalar>& options,
                            std::span<const Found> first, std::span<Found> out, Scratch& s, W& work) const;
@@ -178,6 +173,10 @@ class DynamicPoints {
   LoosePoints<Scalar, dimension> loose_;
   std::vector<bool> there_;  // by id
   std::size_t alive_ = 0;
+  ExponentCounts<Scalar, dimension> counts_;  // of what is there
+  Measure measure_;
+  bool alike_ = true;  // every part is scaled as all of it is
+  Scalar lowest_sound_ = 0, highest_sound_ = 0;
 };
 
 // ---- change --------------------------------------------------------------------------------------------
@@ -189,6 +188,7 @@ DynamicPoints<Tree>::DynamicPoints(typename Tree::Options tree_options, DynamicO
   if (!(options.growth >= 1) || std::isinf(options.growth))
     throw InvalidInput("growth is " + std::to_string(options.growth) + "; it must be finite and at least 1");
   static_cast<void>(Tree(std::span<const Point>(), tree_options));  // refuses what it must now, not later
+  measure_anew();
 }
 
 template <NeighborIndex Tree>
@@ -201,6 +201,8 @@ Id DynamicPoints<Tree>::insert(std::span<const Point> points) {
     there_.resize(there_.size() + points.size(), true);
     for (std::size_t i = 0; i < points.size(); ++i) loose_.add(first + static_cast<Id>(i), points[i]);
     alive_ += points.size();
+    for (const Point& p : points) counts_.add(p);
+    measure_anew();
     return first;
   }
   Listed merged;
@@ -218,6 +220,8 @@ Id DynamicPoints<Tree>::insert(std::span<const Point> points) {
   parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(kept), parts_.end());
   loose_.clear();
   add(std::move(part));
+  for (const Point& p : points) counts_.add(p);
+  measure_anew();
   return first;
 }
 
@@ -225,23 +229,44 @@ template <NeighborIndex Tree>
 bool DynamicPoints<Tree>::erase(Id id) {
   if (id >= there_.size() || !there_[id]) return false;
   there_[id] = false, --alive_;
-  if (loose_.erase(id)) return true;
+  if (const auto point = loose_.erase(id)) {
+    counts_.remove(*point);
+    measure_anew();
+    return true;
+  }
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     Part& part = parts_[p];
-    if (!part.holds(id)) continue;
-    if (2 * ++part.dead <= part.ids.size()) break;
-    Listed left;
-    merge_alive(part, left);
-    if (left.empty()) {
-      parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(p));
-    } else {
-      Part smaller = built(left);
-      parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(p));
-      add(std::move(smaller));
-    }
+    const auto place = part.place(id);
+    if (!place) continue;
+    counts_.remove(part.points[*place]);
+    if (2 * ++part.dead > part.ids.size()) shrink(p);
     break;
   }
+  measure_anew();
   return true;
+}
+
+/// Drops what is removed from a part.
+template <NeighborIndex Tree>
+void DynamicPoints<Tree>::shrink(std::size_t p) {
+  Listed left;
+  merge_alive(parts_[p], left);
+  Part smaller;
+  if (!left.empty()) smaller = built(left);
+  parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(p));
+  if (!left.empty()) add(std::move(smaller));
+}
+
+/// After every change.
+template <NeighborIndex Tree>
+void DynamicPoints<Tree>::measure_anew() {
+  using Limits = std::numeric_limits<Scalar>;
+  measure_ = Measure(counts_.exponents());
+  alike_ = std::ranges::all_of(
+      parts_, [&](const Part& part) { return part.tree->measure().scale == measure_.scale; });
+  lowest_sound_ =
+      std::max(Limits::min() / Limits::epsilon(), measure_.unscaled_square(vague_square<Scalar>()));
+  highest_sound_ = std::min(Limits::max(), measure_.unscaled_square(Limits::max()));
 }
 
 template <NeighborIndex Tree>
@@ -253,6 +278,7 @@ void DynamicPoints<Tree>::rebuild() {
   Part whole = built(all);
   parts_.clear(), loose_.clear();
   add(std::move(whole));
+  measure_anew();
 }
 
 template <NeighborIndex Tree>
@@ -292,7 +318,7 @@ void DynamicPoints<Tree>::add(Part part) {
 
 template <NeighborIndex Tree>
 std::size_t DynamicPoints<Tree>::bytes() const {
-  std::size_t sum = sizeof(*this) + there_.capacity() / 8 + loose_.bytes();
+  std::size_t sum = sizeof(*this) + there_.capacity() / 8 + loose_.bytes() + counts_.bytes();
   for (const Part& part : parts_)
     sum += part.tree->bytes() + part.ids.capacity() * sizeof(Id) + part.points.capacity() * sizeof(Point);
   return sum;

@@ -1,52 +1,14 @@
 // Queries of DynamicPoints: every tree and the loose points are asked, and what they find is merged.
 //
-// The trees' squared distances are those of the caller's units, in which they may vanish or overflow though
-// each tree ranks its own points right. Where one has lost digits, all are compared by squares of the same
-// roundings that have a wider range, so that ranks across trees are those of one tree.
+// Trees answer in squared distances of the caller's units. Where these compare as ranks do (is_sound),
+// nothing is measured twice; where one does not, what the trees find is ranked anew by the measure of all
+// points; and where a tree is scaled otherwise than all of them together, it is asked for all within the
+// radius that the first answers give, so that nothing is lost to what it rounded differently.
 #pragma once
 
 #include "accel/dynamic_points.hpp"
 
 namespace treeline::accel {
-
-// ---- distances -----------------------------------------------------------------------------------------
-
-/// A squared distance as if the scalar had no least and no largest: as a tree computes it that scales its
-/// points well. `distance2` is what the scalar says.
-template <NeighborIndex Tree>
-auto DynamicPoints<Tree>::square(Scalar distance2, const Point& p, const Point& q) -> Square {
-  if (is_sound(distance2)) return distance2;
-  Scalar largest = 0;
-  for (int a = 0; a < dimension; ++a) largest = std::max({largest, std::abs(p[a]), std::abs(q[a])});
-  const int down = largest > 1 ? 2 : 0;  // differences of large coordinates may overflow
-  Scalar offsets[dimension], widest = 0;
-  for (int a = 0; a < dimension; ++a) {
-    offsets[a] = std::ldexp(p[a], -down) - std::ldexp(q[a], -down);
-    widest = std::max(widest, std::abs(offsets[a]));
-  }
-  if (widest == 0) return 0;
-  const int exponent = std::ilogb(widest);
-  for (Scalar& offset : offsets) offset = std::ldexp(offset, -exponent);
-  return std::ldexp(static_cast<Square>(squared_length<Scalar, dimension>(offsets)), 2 * (exponent + down));
-}
-
-/// What a tree would tell: rounded once, where the scalar loses digits.
-template <NeighborIndex Tree>
-auto DynamicPoints<Tree>::told_distance2(Scalar distance2, const Point& p, const Point& q) -> Scalar {
-  if (is_sound(distance2)) return distance2;
-  const Square s = square(distance2, p, q);
-  return s <= static_cast<Square>(std::numeric_limits<Scalar>::max())
-             ? static_cast<Scalar>(s)
-             : std::numeric_limits<Scalar>::infinity();
-}
-
-template <NeighborIndex Tree>
-bool DynamicPoints<Tree>::reaches(Scalar radius, Scalar distance2, const Point& p, const Point& q) {
-  const Scalar limit = radius * radius;
-  if (is_sound(limit)) return distance2 <= limit;
-  return std::isinf(radius) ||
-         square(distance2, p, q) <= static_cast<Square>(radius) * static_cast<Square>(radius);
-}
 
 // ---- queries -------------------------------------------------------------------------------------------
 
@@ -59,26 +21,34 @@ std::size_t DynamicPoints<Tree>::asked_of(const Part& part, std::size_t k) const
   return std::min(n, k + static_cast<std::size_t>(2 * share * static_cast<double>(k)) + 1);
 }
 
-/// Into g.best, nearest first. Found items are as good as Ranked ones while all squared distances are sound;
-/// returns false once one is not. `first`: what the largest tree has told, if it was asked.
+/// Into g.best, nearest first. Found items are as good as Ranked ones while all squared distances are sound
+/// and the parts alike; returns false once one is not sound. `first`: what the largest tree has told, if it
+/// was asked.
 template <NeighborIndex Tree>
 template <class Item, class W>
-bool DynamicPoints<Tree>::gather(const Point& q, std::size_t k, const NearestOptions<Scalar>& options,
-                                 std::span<const Found> first, Scratch& s, Gathered<Item>& g, W& work) const {
+bool DynamicPoints<Tree>::gather(const Point& q, const Query& query, std::size_t k,
+                                 const NearestOptions<Scalar>& options, std::span<const Found> first,
+                                 Scratch& s, Gathered<Item>& g, W& work) const {
+  constexpr bool plain = std::is_same_v<Item, Found>;
+  constexpr Scalar infinity = std::numeric_limits<Scalar>::infinity();
+  const Reach<Scalar> reach = measure_.reach(options.max_distance);
   bool sound = true;
-  const auto item = [&](Scalar distance2, Id id, const auto& point) -> Item {
-    if constexpr (std::is_same_v<Item, Found>) {
+  const auto take = [&](Scalar distance2, Id id, const auto& point) {
+    if constexpr (plain) {
       sound = sound && (is_sound(distance2) || (distance2 == 0 && point() == q));
-      return {distance2, id};
+      g.more.push_back({distance2, id});
     } else {
-      return {is_sound(distance2) ? Square(distance2) : square(distance2, point(), q), {distance2, id}};
+      const auto square = query.square(point());
+      if (reach(square.distance2, square.wide)) g.more.push_back({query.rank(square), id});
     }
   };
-  const auto worst = [&] {  // or infinite
-    const bool known = g.best.size() == k && is_sound(found(g.best.back()).distance2);
-    return known ? found(g.best.back()).distance2 : std::numeric_limits<Scalar>::infinity();
+  const auto worst = [&]() -> Scalar {  // or infinite
+    if constexpr (plain)
+      if (g.best.size() == k && is_sound(g.best.back().distance2)) return g.best.back().distance2;
+    return infinity;
   };
   const auto merge = [&] {
+    if (!plain) std::sort(g.more.begin(), g.more.end());
     if (g.more.empty()) return;
     if (g.best.empty()) return g.best.swap(g.more);
     g.merged.clear();
@@ -89,7 +59,7 @@ bool DynamicPoints<Tree>::gather(const Point& q, std::size_t k, const NearestOpt
   g.best.clear();
   for (const Part& part : parts_) {
     NearestOptions<Scalar> limited = options;
-    if (const Scalar w = worst(); w <= std::numeric_limits<Scalar>::max())  // by a margin for rounding
+    if (const Scalar w = worst(); w < infinity)  // by a margin for rounding
       limited.max_distance =
           std::min(options.max_distance, std::sqrt(w) * (1 + 8 * std::numeric_limits<Scalar>::epsilon()));
     for (std::size_t want = asked_of(part, k);; want = std::min(2 * want, part.ids.size())) {
@@ -100,24 +70,32 @@ bool DynamicPoints<Tree>::gather(const Point& q, std::size_t k, const NearestOpt
             part.tree->nearest(q, want, limited, std::span<Found>(s.told), work));
       }
       g.more.clear();
+      std::size_t alive = 0;
       for (const Found& f : told) {
-        if (f.id == no_id || g.more.size() == k) break;
-        if (is_there(part, f.id))
-          g.more.push_back(item(f.distance2, part.ids[f.id], [&] { return part.points[f.id]; }));
+        if (f.id == no_id || alive == k) break;
+        if (!is_there(part, f.id)) continue;
+        ++alive;
+        take(f.distance2, part.ids[f.id], [&] { return part.points[f.id]; });
       }
       if (!sound) return false;
       const bool all = told.size() < want || (want > 0 && told.back().id == no_id);
-      if (g.more.size() == k || all || want == part.ids.size()) break;
+      if (alive == k || all || want == part.ids.size()) break;
     }
     merge();
   }
   g.more.clear();
   work.primitive(loose_.size());
-  loose_.each_near(q, worst(), [&](Scalar distance2, std::size_t i) {
-    const auto point = [&] { return loose_.point(i); };
-    if (std::isinf(options.max_distance) || reaches(options.max_distance, distance2, point(), q))
-      g.more.push_back(item(told_distance2(distance2, point(), q), loose_.id(i), point));
-  });
+  if (plain && measure_.scale == 1 && !reach.widely) {
+    loose_.each_near(q, std::min(worst(), reach.square), [&](Scalar distance2, std::size_t i) {
+      take(distance2, loose_.id(i), [&] { return loose_.point(i); });
+    });
+  } else {
+    for (std::size_t i = 0; i < loose_.size(); ++i) {
+      const auto square = query.square(loose_.point(i));
+      if (reach(square.distance2, square.wide))
+        take(measure_.unscaled_square(square.distance2), loose_.id(i), [&] { return loose_.point(i); });
+    }
+  }
   if (!sound) return false;
   const std::size_t kept = std::min(k, g.more.size());
   std::partial_sort(g.more.begin(), g.more.begin() + static_cast<std::ptrdiff_t>(kept), g.more.end());
@@ -126,19 +104,49 @@ bool DynamicPoints<Tree>::gather(const Point& q, std::size_t k, const NearestOpt
   return true;
 }
 
+/// After gather() into s.ranked, whose worst bounds where the k best are: all that lie there, ranked.
+template <NeighborIndex Tree>
+template <class W>
+void DynamicPoints<Tree>::gather_widely(const Point& q, const Query& query, std::size_t k,
+                                        Scalar max_distance, Scratch& s, W& work) const {
+  const Reach<Scalar> reach = measure_.reach(max_distance);
+  std::vector<Ranked>& best = s.ranked.best;
+  Scalar radius = Query::widened(max_distance);
+  if (best.size() == k) radius = std::min(radius, query.radius_of(best.back().distance2));
+  best.clear();
+  const auto take = [&](Id id, const Point& point) {
+    const auto square = query.square(point);
+    if (reach(square.distance2, square.wide)) best.push_back({query.rank(square), id});
+  };
+  for (const Part& part : parts_) {
+    part.tree->within(q, radius, s.told, work);
+    for (const Found& t : s.told)
+      if (is_there(part, t.id)) take(part.ids[t.id], part.points[t.id]);
+  }
+  work.primitive(loose_.size());
+  for (std::size_t i = 0; i < loose_.size(); ++i) take(loose_.id(i), loose_.point(i));
+  const std::size_t kept = std::min(k, best.size());
+  std::partial_sort(best.begin(), best.begin() + static_cast<std::ptrdiff_t>(kept), best.end());
+  best.resize(kept);
+}
+
 template <NeighborIndex Tree>
 template <class W>
 std::size_t DynamicPoints<Tree>::find_nearest(const Point& q, const NearestOptions<Scalar>& options,
                                               std::span<const Found> first, std::span<Found> out, Scratch& s,
                                               W& work) const {
-  if (out.empty()) return 0;
-  if (gather(q, out.size(), options, first, s, s.plain, work)) {
+  const std::size_t k = out.size();
+  if (k == 0) return 0;
+  const Query query(measure_, q);
+  if (alike_ && gather(q, query, k, options, first, s, s.plain, work)) {
     std::copy(s.plain.best.begin(), s.plain.best.end(), out.begin());
     return s.plain.best.size();
   }
-  gather(q, out.size(), options, first, s, s.ranked, work);
-  for (std::size_t i = 0; i < s.ranked.best.size(); ++i) out[i] = s.ranked.best[i].found;
-  return s.ranked.best.size();
+  gather(q, query, k, options, first, s, s.ranked, work);
+  if (!alike_) gather_widely(q, query, k, options.max_distance, s, work);
+  const std::vector<Ranked>& best = s.ranked.best;
+  for (std::size_t i = 0; i < best.size(); ++i) out[i] = {query.told_square(best[i].distance2), best[i].id};
+  return best.size();
 }
 
 template <NeighborIndex Tree>
@@ -186,20 +194,32 @@ void DynamicPoints<Tree>::nearest(std::span<const Point> queries, std::size_t k,
 template <NeighborIndex Tree>
 template <class W, class F>
 void DynamicPoints<Tree>::each_within(const Point& q, Scalar radius, W& work, F&& f) const {
+  const Query query(measure_, q);
+  const Reach<Scalar> reach = measure_.reach(radius);
+  const bool direct = alike_ && !reach.widely;
+  const auto measure = [&](Id id, const Point& p) {
+    const auto square = query.square(p);
+    if (reach(square.distance2, square.wide)) f(Found{query.told_within(reach, square), id}, p);
+  };
+  const Scalar asked = direct || radius == 0 ? radius : Query::widened(radius);  // what is at q is so exactly
   std::vector<Found> told;
   for (const Part& part : parts_) {
-    part.tree->within(q, radius, told, work);
-    for (const Found& t : told)
-      if (is_there(part, t.id)) f(Found{t.distance2, part.ids[t.id]}, part.points[t.id]);
+    part.tree->within(q, asked, told, work);
+    for (const Found& t : told) {
+      if (!is_there(part, t.id)) continue;
+      if (direct)
+        f(Found{t.distance2, part.ids[t.id]}, part.points[t.id]);
+      else
+        measure(part.ids[t.id], part.points[t.id]);
+    }
   }
   work.primitive(loose_.size());
-  const Scalar limit = radius * radius;
-  loose_.each_near(q, is_sound(limit) ? limit : std::numeric_limits<Scalar>::infinity(),
-                   [&](Scalar distance2, std::size_t i) {
-                     const Point p = loose_.point(i);
-                     if (reaches(radius, distance2, p, q))
-                       f(Found{told_distance2(distance2, p, q), loose_.id(i)}, p);
-                   });
+  if (direct && measure_.scale == 1)
+    loose_.each_near(q, reach.square, [&](Scalar distance2, std::size_t i) {
+      f(Found{distance2, loose_.id(i)}, loose_.point(i));
+    });
+  else
+    for (std::size_t i = 0; i < loose_.size(); ++i) measure(loose_.id(i), loose_.point(i));
 }
 
 template <NeighborIndex Tree>
@@ -223,13 +243,14 @@ void DynamicPoints<Tree>::within(const Point& q, Scalar radius, const WithinOpti
     Scratch s;
     return out.resize(find_nearest(q, nearest_options, {}, out, s, work));
   }
-  if (!options.sorted) return within(q, radius, out, work);
+  if (!options.ranked()) return within(q, radius, out, work);
+  const Query query(measure_, q);
   std::vector<Ranked> list;
   each_within(q, radius, work, [&](const Found& f, const Point& p) {
-    list.push_back({square(f.distance2, p, q), f});
+    list.push_back({query.rank(query.square(p)), f.id});
   });
   std::sort(list.begin(), list.end());
-  for (const Ranked& r : list) out.push_back(r.found);
+  for (const Ranked& r : list) out.push_back({query.told_square(r.distance2), r.id});
 }
 
 template <NeighborIndex Tree>

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "accel/concepts.hpp"
+#include "accel/point_measure.hpp"
 
 namespace treeline::accel {
 
@@ -68,14 +69,20 @@ class HeapBest {
   std::span<Neighbor<T>> best_;
 };
 
-/// Cuts a search short: cells that promise less than the factor's gain, and all once the leaves are used up,
-/// though not before there are k if it `fills`.
+/// Cuts a search short: once there are k, cells that promise less than the factor's gain (but none so near
+/// that squares have lost digits); and all once the leaves are used up, though not before there are k if it
+/// `fills`.
 template <class T, class Best>
 class Hasty {
  public:
   Hasty(Best& best, T shrink, std::size_t leaves, bool fills)
       : best_(best), shrink_(shrink), leaves_(leaves), fills_(fills) {}
-  T limit() const { return leaves_ == 0 && (!fills_ || best_.full()) ? T(-1) : best_.limit() * shrink_; }
+  T limit() const {
+    const bool full = best_.full();
+    if (leaves_ == 0 && (!fills_ || full)) return T(-1);
+    const T limit = best_.limit();
+    return full ? std::max(limit * shrink_, std::min(limit, vague_square<T>())) : limit;
+  }
   bool offer(T distance2, Id id) { return best_.offer(distance2, id); }
   void enter_leaf() { leaves_ -= leaves_ > 0; }
   std::size_t leaves_left() const { return leaves_; }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <optional>
 #include <vector>
 
 #include "accel/concepts.hpp"
@@ -33,16 +34,18 @@ class LoosePoints {
     for (int a = 0; a < D; ++a) x_[axis(a)][size()] = p[a];
     ids_.push_back(id);
   }
-  bool erase(Id id) {
+  /// The point that it was, if there is one.
+  std::optional<Point> erase(Id id) {
     const auto at = std::lower_bound(ids_.begin(), ids_.end(), id);
-    if (at == ids_.end() || *at != id) return false;
+    if (at == ids_.end() || *at != id) return {};
+    const Point erased = point(static_cast<std::size_t>(at - ids_.begin()));
     for (auto& x : x_) {
       const auto from = x.begin() + (at - ids_.begin());
       std::copy(from + 1, x.begin() + static_cast<std::ptrdiff_t>(size()), from);
       x[size() - 1] = std::numeric_limits<T>::infinity();
     }
     ids_.erase(at);
-    return true;
+    return erased;
   }
   void clear() {
     ids_.clear();

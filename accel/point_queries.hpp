@@ -24,7 +24,7 @@ namespace treeline::accel {
 template <class T>
 struct SearchLimits {
   T within = std::numeric_limits<T>::infinity();
-  T shrink = 1;  // cells farther than the worst found so far times this are left out
+  T shrink = 1;  // cells farther than the worst of k found so far times this are left out
   std::size_t leaves = static_cast<std::size_t>(-1);
   bool exact = true;
 
@@ -90,13 +90,15 @@ class PointQueries {
               W& work) const {
     Checks::check_radius(radius);
     Checks::check_query(q, "query");
-    const bool ranked = options.sorted || options.at_most < size();
-    if (!ranked || size() == 0) return within(q, radius, out, work);
-    const T limit = squared_limit(radius);
-    if (vague_limit(limit) && !std::isinf(radius)) return rank_within(q, radius, options.at_most, out, work);
+    if (!options.ranked() || size() == 0) return within(q, radius, out, work);
+    const Reach<T> reach = set_.reach(radius);
+    const bool some = options.at_most < size();
+    if (reach.widely && (some || radius > 0)) return rank_within(q, reach, options.at_most, out, work);
+    const T limit = reach.square;
     out.clear();
+    if (radius == 0) return append_at(q, out, work), std::sort(out.begin(), out.end());
     const Point scaled = set_.scaled(q);
-    if (options.at_most <= few && options.at_most < size()) {  // no list of all that lie there
+    if (some && options.at_most <= few) {  // no list of all that lie there
       out.resize(options.at_most);
       if (out.empty()) return;
       if constexpr (Tree::searches_itself && Tree::keeps_each_point_once)
@@ -120,18 +122,23 @@ class PointQueries {
   std::size_t count_within(const Point& q, T radius) const {
     Checks::check_radius(radius);
     Checks::check_query(q, "query");
-    const T limit = squared_limit(radius);
     if (size() == 0) return 0;
     if (std::isinf(radius)) return size();
-    if (vague_limit(limit)) {
+    const Reach<T> reach = set_.reach(radius);
+    if (reach.widely) {
       NoWork work;
-      return all_within(q, radius, work).size();
+      if (radius == 0) {
+        std::vector<Id> ids;
+        append_inside({q, q}, ids, work);
+        return ids.size();
+      }
+      return all_within({set_, q}, reach, work).size();
     }
     if constexpr (Tree::searches_itself) {
-      return tree().count_within_limit(set_.scaled(q), limit);
+      return tree().count_within_limit(set_.scaled(q), reach.square);
     } else {
       NoWork work;
-      CountWithin<T> counter(limit);
+      CountWithin<T> counter(reach.square);
       tree().visit_near(set_.scaled(q), counter, work);
       return counter.count;
     }
@@ -164,7 +171,7 @@ class PointQueries {
     parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
       NoWork work;
       if constexpr (Tree::searches_itself)
-        if (m == k && !ranks_widely(options))
+        if (m == k && !set_.reach(options.max_distance).widely)
           return find_nearest_groups(queries.subspan(begin, end - begin), k, options, out.subspan(begin * k));
       for (std::size_t i = begin; i < end; ++i) {
         const auto answers = out.subspan(i * k, k);
@@ -193,7 +200,7 @@ class PointQueries {
         points.clear(), ids.clear();
         for (std::size_t i = begin; i < next; ++i) {
           const PointEntry<T, D> e = tree().stored(i);
-          points.push_back(e.point * set_.inverse_scale), ids.push_back(e.id);
+          points.push_back(set_.original(e)), ids.push_back(e.id);
         }
         found.resize(points.size() * (k + 1));
         nearest(points, k + 1, std::span(found));
@@ -230,8 +237,10 @@ class PointQueries {
   std::size_t size() const { return stats_.primitives; }
   std::size_t bytes() const { return stats_.bytes; }
   TreeStats stats() const { return stats_; }
+  /// How its points are measured: the same for every tree over the same points.
+  const PointMeasure<T, D>& measure() const { return set_; }
   /// Of the points kept; empty if there are none.
-  Box box() const { return {set_.box.low * set_.inverse_scale, set_.box.high * set_.inverse_scale}; }
+  Box box() const { return set_.original_box(); }
 
  protected:
   PointQueries(std::span<const Point> points, const BuildOptions& options) : set_(points, options) {
@@ -243,7 +252,7 @@ class PointQueries {
   TreeStats stats_;
 
  private:
-  using Wide = typename SquareType<T>::Type;
+  using Wide = SquareOf<T>;
   static constexpr std::size_t few = 128;  // so many neighbours searches keep without a heap, or nearly so
 
   const Tree& tree() const { return static_cast<const Tree&>(*this); }
@@ -254,8 +263,8 @@ class PointQueries {
   std::size_t find_nearest(const Point& q, const NearestOptions<T>& options, std::span<Neighbor<T>> out,
                            W& work) const {
     if (out.empty()) return 0;
-    if (ranks_widely(options)) [[unlikely]]
-      return select_within(q, options.max_distance, out, work);
+    if (const Reach<T> reach = set_.reach(options.max_distance); reach.widely) [[unlikely]]
+      return rank_widely({set_, q}, reach, out, work);
     const Point scaled = set_.scaled(q);
     const SearchLimits<T> limits = limits_of(options);
     if constexpr (Tree::searches_itself)
@@ -292,101 +301,91 @@ class PointQueries {
     }
   }
   /// From scaled distances to true ones, and from places not taken to empty ones; returns how many were
-  /// taken.
+  /// taken. Those that T cannot rank are ranked anew, and no others.
   template <class W>
   std::size_t settle(const Point& q, const Point& scaled, T within, std::span<Neighbor<T>> out,
                      W& work) const {
     std::size_t found = out.size();
     while (found > 0 && out[found - 1].id == no_id) out[--found] = {};
-    out = out.first(found);
     if (found == 0) return 0;
-    if (set_.vague(scaled, out.front().distance2, out.back().distance2)) [[unlikely]]
-      rank_widely(q, within, std::numeric_limits<Wide>::infinity(), out, work);
-    else if (set_.scale != T(1))
-      for (auto& n : out) n.distance2 = set_.unscaled_square(n.distance2);
+    std::size_t ranked = 0;
+    if (overflows(out[found - 1].distance2)) [[unlikely]] {
+      ranked = rank_widely({set_, q}, {.square = within}, out.first(found), work);
+    } else if (is_vague(out.front().distance2) && set_.is_small(scaled)) [[unlikely]] {
+      while (ranked < found && is_vague(out[ranked].distance2)) ++ranked;
+      rank_widely({set_, q}, {.square = std::min(within, std::nextafter(vague_square<T>(), T(0)))},
+                  out.first(ranked), work);
+    }
+    if (set_.scale != T(1))
+      for (auto& n : out.subspan(ranked, found - ranked)) n.distance2 = set_.unscaled_square(n.distance2);
     return found;
   }
-  /// The best by rank (see candidates.hpp) within a squared distance as T sees it and one in the wider type;
-  /// returns how many there are.
+  /// The best by rank within reach; returns how many there are.
   template <class W>
-  std::size_t rank_widely(const Point& q, T reach, Wide within, std::span<Neighbor<T>> out, W& work) const {
+  std::size_t rank_widely(const WideQuery<T, D>& q, const Reach<T>& reach, std::span<Neighbor<T>> out,
+                          W& work) const {
     std::vector<Neighbor<Wide>> ranked(out.size());
-    BestCandidates<T, D> best(set_.wide_scaled(q), reach, within, ranked);
+    BestCandidates<T, D> best(q, reach, ranked);
     if constexpr (Tree::ranks_itself)
-      tree().visit_best(set_.scaled(q), best, work);
+      tree().visit_best(best, work);
     else
-      tree().visit_near(set_.scaled(q), best, work);
+      tree().visit_near(q.scaled, best, work);
     best.finish();
     std::size_t found = 0;
     for (; found < ranked.size() && ranked[found].id != no_id; ++found)
-      out[found] = {set_.unscaled_square(ranked[found].distance2), ranked[found].id};
+      out[found] = {q.told_square(ranked[found].distance2), ranked[found].id};
     return found;
-  }
-  T squared_limit(T radius) const {
-    const T scaled_radius = radius * set_.scale;
-    return scaled_radius * scaled_radius;
-  }
-  /// Whether squares say less than the radius itself, if that is finite.
-  bool vague_limit(T limit) const { return limit < set_.vague_square() || std::isinf(limit); }
-  bool ranks_widely(const NearestOptions<T>& options) const {
-    return !std::isinf(options.max_distance) && vague_limit(squared_limit(options.max_distance));
   }
   SearchLimits<T> limits_of(const NearestOptions<T>& options) const {
     const double stretch = 1 + options.epsilon;
-    // Never 0: times an infinite distance it would be NaN.
-    const auto shrink = std::max(static_cast<T>(1 / (stretch * stretch)), std::numeric_limits<T>::min());
-    return {squared_limit(options.max_distance), shrink, options.max_leaves, options.exact()};
+    // Stretched by what the squared distances of a cell's point and of the worst found may be off, either
+    // way. Never 0: times an infinite distance it would be NaN.
+    const double shrink =
+        (1 + 2 * static_cast<double>(geometry::tolerance::gamma<T>(D + 4))) / (stretch * stretch);
+    return {set_.reach(options.max_distance).square,
+            std::clamp(static_cast<T>(shrink), std::numeric_limits<T>::min(), T(1)), options.max_leaves,
+            options.exact()};
   }
-  /// What lies within a radius, ranked in the wider type: in T, or in the user's units, squared distances may
-  /// vanish or overflow.
-  struct WideRadius {
-    T reach;      // squared, as T sees it
-    Wide square;  // no true distance is larger
-  };
-  WideRadius wide_radius(T radius) const {
-    const Wide r = static_cast<Wide>(radius) * static_cast<Wide>(set_.scale);
-    const T limit = squared_limit(radius);
-    if (vague_limit(limit)) return {std::max(limit, set_.vague_square()), r * r};  // T does not tell
-    return {limit, static_cast<Wide>(limit) * (1 + 4 * geometry::tolerance::gamma<T>(D + 2))};
-  }
+  /// All within reach, with their ranks.
   template <class W>
-  std::vector<Neighbor<Wide>> all_within(const Point& q, T radius, W& work) const {
-    const WideRadius r = wide_radius(radius);
-    Candidates<T, D> near(set_.wide_scaled(q), r.reach);
-    tree().visit_near(set_.scaled(q), near, work);
-    std::erase_if(near.list, [&](const auto& c) { return c.distance2 > r.square; });
+  std::vector<Neighbor<Wide>> all_within(const WideQuery<T, D>& q, const Reach<T>& reach, W& work) const {
+    Candidates<T, D> near(q, reach);
+    tree().visit_near(q.scaled, near, work);
     return std::move(near.list);
   }
-  /// The at_most nearest within a radius, nearest first.
+  /// The at_most nearest within reach, nearest first.
   template <class W>
-  void rank_within(const Point& q, T radius, std::size_t at_most, std::vector<Neighbor<T>>& out,
+  void rank_within(const Point& p, const Reach<T>& reach, std::size_t at_most, std::vector<Neighbor<T>>& out,
                    W& work) const {
+    const WideQuery<T, D> q(set_, p);
     out.clear();
     if (at_most < size()) {
       out.resize(at_most);
-      return out.resize(out.empty() ? 0 : select_within(q, radius, out, work));
+      return out.resize(out.empty() ? 0 : rank_widely(q, reach, out, work));
     }
-    std::vector<Neighbor<Wide>> list = all_within(q, radius, work);
-    for (auto& c : list) c.distance2 = rank_of<T>(c.distance2);
+    std::vector<Neighbor<Wide>> list = all_within(q, reach, work);
     std::sort(list.begin(), list.end());
-    for (const auto& c : list) out.push_back({set_.unscaled_square(c.distance2), c.id});
+    for (const auto& c : list) out.push_back({q.told_square(c.distance2), c.id});
+  }
+  /// Those at the query's very place.
+  template <class W>
+  void append_at(const Point& q, std::vector<Neighbor<T>>& out, W& work) const {
+    std::vector<Id> ids;
+    append_inside({q, q}, ids, work);
+    for (const Id id : ids) out.push_back({T(0), id});
   }
   template <class W>
-  std::size_t select_within(const Point& q, T radius, std::span<Neighbor<T>> out, W& work) const {
-    const WideRadius r = wide_radius(radius);
-    return rank_widely(q, r.reach, r.square, out, work);
-  }
-  template <class W>
-  void append_within(const Point& q, T radius, std::vector<Neighbor<T>>& out, W& work) const {
+  void append_within(const Point& p, T radius, std::vector<Neighbor<T>>& out, W& work) const {
     if (size() == 0) return;
-    const T limit = squared_limit(radius);
-    if (vague_limit(limit) && !std::isinf(radius)) [[unlikely]] {
-      for (const auto& c : all_within(q, radius, work))
-        out.push_back({set_.unscaled_square(c.distance2), c.id});
+    if (radius == 0) return append_at(p, out, work);
+    const Reach<T> reach = set_.reach(radius);
+    if (reach.widely) [[unlikely]] {
+      const WideQuery<T, D> q(set_, p);
+      for (const auto& c : all_within(q, reach, work)) out.push_back({q.told_square(c.distance2), c.id});
       return;
     }
     const std::size_t before = out.size();
-    append_scaled(set_.scaled(q), limit, out, work);
+    append_scaled(set_.scaled(p), reach.square, out, work);
     if (set_.scale != T(1))
       for (std::size_t i = before; i < out.size(); ++i)
         out[i].distance2 = set_.unscaled_square(out[i].distance2);
@@ -404,9 +403,17 @@ class PointQueries {
   template <class W>
   void append_inside(const Box& box, std::vector<Id>& out, W& work) const {
     if (size() == 0) return;
+    // A point is inside if its scaled coordinates are between the bounds' as real numbers; where scaling took
+    // digits, the original ones decide.
+    const bool lossy = !set_.originals.empty();
+    Box b;
+    for (int a = 0; a < D; ++a) {
+      b.low[a] = scaled_bound(box.low[a], !lossy, T(1)), b.high[a] = scaled_bound(box.high[a], !lossy, T(-1));
+    }
     // Clipped to the cloud's box, so that infinite sides become finite.
-    const Box b = geometry::intersection(Box{box.low * set_.scale, box.high * set_.scale}, set_.box);
+    b = geometry::intersection(b, set_.box);
     if (b.empty()) return;
+    const std::size_t before = out.size();
     if constexpr (Tree::searches_itself)
       tree().search_inside(b, out, work);
     else
@@ -420,6 +427,20 @@ class PointQueries {
               if (leaf.coincident || b.contains(e->point)) out.push_back(e->id);
           },
           work);
+    if (lossy) [[unlikely]]
+      out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(before), out.end(),
+                               [&](Id id) { return !box.contains(set_.originals[id]); }),
+                out.end());
+  }
+  /// The bound times the scale: to nearest, which is monotone; or, where that has lost digits, the next
+  /// number in the direction of `side` if `inward`, so that no scaled coordinate lies between it and the true
+  /// product.
+  T scaled_bound(T bound, bool inward, T side) const {
+    const T nearest = bound * set_.scale;
+    if (!inward || std::isinf(bound)) return nearest;
+    const T back = nearest * set_.inverse_scale;  // exact where nothing was lost
+    const bool outside = side > 0 ? back < bound : back > bound;
+    return outside ? std::nextafter(nearest, side * std::numeric_limits<T>::infinity()) : nearest;
   }
 };
 

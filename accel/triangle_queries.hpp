@@ -1,9 +1,12 @@
 // The public queries that all trees over triangles share: checks of what is asked, batches, containment. A
-// tree derives from this (statically; nothing is virtual) and supplies two traversals:
+// tree derives from this (statically; nothing is virtual), is made from a TriangleSet and the options, and
+// supplies two traversals:
 //   template <bool any, class W> void trace(RayQuery<Primitives>&, W&) const;
 //   template <class W> void approach(ClosestQuery<T>&, W&) const;
+// Triangles of no area are kept in a tree of their own of the same kind, which rays do not enter.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 
@@ -17,8 +20,19 @@
 
 namespace treeline::accel {
 
+/// A ray test that takes one triangle at a time.
+template <class Test, class T>
+concept SingleRayTest = requires {
+  typename Test::template Prepared<T>;
+};
+
 template <class Tree, class Primitives>
 class TriangleQueries {
+  static_assert(
+      SingleRayTest<typename Primitives::Test, typename Primitives::Scalar>,
+      "this tree takes the ray tests geometry::Watertight and geometry::MollerTrumbore; rays decided "
+      "exactly: accel::Bvh<accel::Triangles<float, geometry::Exact>, accel::Wide>");
+
  public:
   using Scalar = typename Primitives::Scalar;
   using Point = typename Primitives::Point;
@@ -90,53 +104,62 @@ class TriangleQueries {
     });
   }
 
-  /// Number of triangles kept.
+  /// Number of triangles that rays can hit: those kept.
   std::size_t size() const { return stats_.primitives; }
   std::size_t bytes() const { return stats_.bytes; }
   TreeStats stats() const { return stats_; }
-  /// Encloses all triangles; empty if there are none.
-  Box bounds() const { return scale_.unscaled(bounds_); }
+  /// Encloses all triangles that rays can hit; empty if there are none.
+  Box bounds() const { return place_.given(bounds_); }
 
  protected:
   explicit TriangleQueries(const TriangleSet<Scalar>& set)
-      : bounds_(set.bounds), centre_(set.centre), scale_(set.scale) {
+      : bounds_(set.bounds), centre_(set.centre), place_(set.place) {
     stats_.primitives = set.items.size();
-    stats_.dropped = set.dropped;
+    stats_.dropped = set.dropped + set.flat.size();
+  }
+  /// To be called once the tree stands, its bytes counted.
+  template <class Options>
+  void keep_flat(TriangleSet<Scalar>&& set, const Options& options) {
+    if (set.flat.empty()) return;
+    flat_ = std::make_shared<const Tree>(Tree(std::move(set).flat_only(), options));
+    stats_.bytes += flat_->bytes();
   }
 
-  Box bounds_;    // like everything that a tree keeps: scaled
+  Box bounds_;    // like everything that a tree keeps: where place_ puts it
   Point centre_;  // see padded_ray.hpp
-  TriangleScale<Scalar> scale_;
+  TrianglePlace<Scalar> place_;
   TreeStats stats_;
 
  private:
   static constexpr Scalar infinity = std::numeric_limits<Scalar>::infinity();
 
+  std::shared_ptr<const Tree> flat_;  // of the triangles of no area, if there are any
+
   const Tree& tree() const { return static_cast<const Tree&>(*this); }
 
-  // Queries and answers in the user's units.
+  // Queries and answers in the user's space.
   template <bool any, class W>
   Hit<Scalar> answer(const Ray& ray, W& work) const {
     int shift;
-    const Ray scaled = scale_.scaled(ray, shift);
-    Hit<Scalar> hit = cast<any>(scaled, work).hit();
-    if (shift != 0 && hit) hit.t = scale_.unscaled_t(hit.t, shift, ray);
+    const Ray kept = place_.kept(ray, shift);
+    Hit<Scalar> hit = cast<any>(kept, work).hit();
+    if (shift != 0 && hit) hit.t = place_.scale().unscaled_t(hit.t, shift, ray);
     return hit;
   }
   template <class W>
   ClosestPoint<Scalar> answer(const Point& point, Scalar max_distance, W& work) const {
-    if (!scale_.scales()) return nearest(point, max_distance, work);
-    const bool is_near = scale_.is_near(point);
-    auto best =
-        nearest(scale_.scaled_query(point), is_near ? max_distance * scale_.factor() : infinity, work);
+    if (!place_.changes()) return nearest(point, max_distance, work);
+    const TriangleScale<Scalar>& scale = place_.scale();
+    const bool is_near = place_.is_near(point);
+    auto best = nearest(place_.kept_query(point), is_near ? max_distance * scale.factor() : infinity, work);
     if (!best) return best;
-    best.point = scale_.unscaled(best.point);
-    best.distance2 = is_near ? scale_.unscaled_square(best.distance2) : distance2(point, best.point);
+    best.point = place_.given(best.point);
+    best.distance2 = is_near ? scale.unscaled_square(best.distance2) : distance2(point, best.point);
     if (!is_near && !(best.distance2 <= max_distance * max_distance)) return {};
     return best;
   }
 
-  // The same in the tree's units.
+  // The same in the tree's space.
   template <bool any, class W>
   RayQuery<Primitives> cast(const Ray& ray, W& work) const {
     RayQuery<Primitives> query(ray, centre_);
@@ -147,6 +170,7 @@ class TriangleQueries {
   ClosestQuery<Scalar> approached(const Point& point, Scalar max_distance, W& work) const {
     ClosestQuery<Scalar> query(point, max_distance, centre_);
     if (size() > 0) tree().approach(query, work);
+    if (flat_) flat_->approach(query, work);
     return query;
   }
   template <class W>
@@ -158,17 +182,17 @@ class TriangleQueries {
   template <class W>
   bool on_surface(const Point& point, W& work) const {
     constexpr Scalar slack = geometry::tolerance::on_surface<Scalar>;
-    const Scalar furthest = std::max(largest(bounds_.low), largest(bounds_.high));
+    const Scalar furthest = std::max(place_.magnitude(bounds_.low), place_.magnitude(bounds_.high));
     const auto query = approached(point, slack * furthest, work);
     if (query.stored() == nullptr) return false;
     const geometry::Triangle<Scalar>& t = query.stored()->triangle;
-    const Scalar near = slack * std::max({largest(point), largest(t.a), largest(t.b), largest(t.c)});
+    const auto size = [&](const Point& p) { return place_.magnitude(p); };
+    const Scalar near = slack * std::max({size(point), size(t.a), size(t.b), size(t.c)});
     return query.best().distance2 <= near * near;
   }
-  static Scalar largest(const Point& p) { return std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}); }
 
   bool inside(const Point& given) const {
-    const Point point = scale_.scaled(given);
+    const Point point = place_.kept(given);
     if (!bounds_.contains(point)) return false;
     NoWork work;
     if (on_surface(point, work)) return true;

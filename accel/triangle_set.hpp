@@ -1,5 +1,8 @@
-// What every tree over triangles is built from: the finite triangles of the input with their ids, scaled (see
-// triangle_scale.hpp) where their size asks for it, and the point from which tolerances are measured.
+// What every tree over triangles is built from: the finite triangles of the input with their ids, where
+// triangle_place.hpp puts them, and the point from which tolerances are measured.
+//
+// Triangles of exactly no area are set apart: no ray hits them, and many of them, long and thin, spoil every
+// split. Closest points may lie on them.
 #pragma once
 
 #include <span>
@@ -7,8 +10,9 @@
 #include <vector>
 
 #include "accel/concepts.hpp"
-#include "accel/triangle_scale.hpp"
+#include "accel/triangle_place.hpp"
 #include "geometry/mesh.hpp"
+#include "geometry/predicates.hpp"
 
 namespace treeline::accel {
 
@@ -22,10 +26,11 @@ struct StoredTriangle {
 template <class T>
 struct TriangleSet {
   std::vector<StoredTriangle<T>> items;
-  geometry::Box<T, 3> bounds;    // of the scaled triangles
-  geometry::Vec<T, 3> centre{};  // of most of the scaled triangles, wherever a few others may lie
-  TriangleScale<T> scale;
-  std::size_t dropped = 0;
+  std::vector<StoredTriangle<T>> flat;  // those of no area
+  geometry::Box<T, 3> bounds;           // of items, as the centre where the tree keeps them
+  geometry::Vec<T, 3> centre{};         // of most of them, wherever a few others may lie
+  TrianglePlace<T> place;
+  std::size_t dropped = 0;  // not finite
 
   TriangleSet(std::span<const geometry::Triangle<T>> triangles, const BuildOptions& options) {
     fill(triangles.size(), options, [&](std::size_t i) { return triangles[i]; });
@@ -40,7 +45,16 @@ struct TriangleSet {
     });
   }
 
+  /// Those of no area alone, in the same place, measured from the same centre.
+  TriangleSet flat_only() && {
+    TriangleSet r;
+    r.items = std::move(flat), r.centre = centre, r.place = place;
+    for (const auto& item : r.items) r.bounds.grow(item.triangle.box());
+    return r;
+  }
+
  private:
+  TriangleSet() = default;
   template <class Get>
   void fill(std::size_t n, const BuildOptions& options, Get&& get) {
     if (options.leaf_size < 1)
@@ -50,50 +64,59 @@ struct TriangleSet {
     for (std::size_t i = 0; i < n; ++i) {
       const geometry::Triangle<T> triangle = get(i);
       if (is_finite(triangle)) {
-        items.push_back({triangle, static_cast<Id>(i)});
+        (is_degenerate(triangle) ? flat : items).push_back({triangle, static_cast<Id>(i)});
       } else if (options.non_finite == NonFinite::refuse) {
         throw InvalidInput("triangle " + std::to_string(i) + " has a coordinate that is not finite");
       } else {
         ++dropped;
       }
     }
-    choose_scale();
-    for (auto& item : items) {
-      geometry::Triangle<T>& t = item.triangle;
-      if (scale.scales()) t = {scale.scaled(t.a), scale.scaled(t.b), scale.scaled(t.c)};
-      bounds.grow(t.box());
-    }
+    choose_place();
+    if (place.changes()) each([&](geometry::Triangle<T>& t) { t = place.kept(t); });
+    for (const auto& item : items) bounds.grow(item.triangle.box());
     choose_centre();
+  }
+
+  template <class F>
+  void each(F&& f) {
+    for (auto* kept : {&items, &flat})
+      for (auto& item : *kept) f(item.triangle);
+  }
+  static T middle_of(std::vector<T>& sample) {
+    const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
+    std::nth_element(sample.begin(), middle, sample.end());
+    return *middle;
   }
 
   /// The median over a sample, along each axis.
   void choose_centre() {
-    const std::size_t step = items.size() / 1024 + 1;
-    for (int k = 0; k < 3 && !items.empty(); ++k) {
+    const auto& most = items.empty() ? flat : items;
+    const std::size_t step = most.size() / 1024 + 1;
+    for (int k = 0; k < 3 && !most.empty(); ++k) {
       std::vector<T> sample;
-      for (std::size_t i = 0; i < items.size(); i += step) sample.push_back(items[i].triangle.a[k]);
-      const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
-      std::nth_element(sample.begin(), middle, sample.end());
-      centre[k] = *middle;
+      for (std::size_t i = 0; i < most.size(); i += step) sample.push_back(most[i].triangle.a[k]);
+      centre[k] = middle_of(sample);
     }
   }
 
-  /// By the median over a sample, so that no outlier decides; corners at the origin do not count.
-  void choose_scale() {
+  /// The scale by the median over a sample, so that no outlier decides; corners at the centre do not count.
+  void choose_place() {
+    geometry::Box<T, 3> all;
+    each([&](const geometry::Triangle<T>& t) { all.grow(t.box()); });
+    const geometry::Vec<T, 3> origin = exact_centre(all);
     std::vector<T> sample;
-    const std::size_t step = items.size() / 1024 + 1;
+    const std::size_t step = (items.size() + flat.size()) / 1024 + 1;
+    std::size_t i = 0;
     T largest = 0;
-    for (std::size_t i = 0; i < items.size(); ++i) {
+    each([&](const geometry::Triangle<T>& t) {
       T magnitude = 0;
-      for (const auto& corner : {items[i].triangle.a, items[i].triangle.b, items[i].triangle.c})
-        for (int k = 0; k < 3; ++k) magnitude = std::max(magnitude, std::abs(corner[k]));
+      for (const auto& corner : {t.a, t.b, t.c})
+        for (int k = 0; k < 3; ++k) magnitude = std::max(magnitude, std::abs(corner[k] - origin[k]));
       largest = std::max(largest, magnitude);
-      if (magnitude > T(0) && i % step == 0) sample.push_back(magnitude);
-    }
+      if (i++ % step == 0 && magnitude > T(0)) sample.push_back(magnitude);
+    });
     if (sample.empty()) sample.push_back(largest);
-    const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
-    std::nth_element(sample.begin(), middle, sample.end());
-    scale = TriangleScale<T>(*middle, largest);
+    place = TrianglePlace<T>(origin, TriangleScale<T>(middle_of(sample), largest));
   }
 };
 

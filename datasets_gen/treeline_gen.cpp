@@ -1,4 +1,4 @@
-// treeline_gen RECIPE FILE: makes one dataset and writes it as PLY, OBJ, PCD or XYZ.
+// treeline_gen RECIPE FILE: makes one dataset and writes it as PLY, OBJ, PCD, XYZ or CSV.
 // treeline_gen --check FILE: what is wrong with a mesh. treeline_gen --decimate RATIO IN OUT: a mesh of fewer
 // faces. Exit status: 0 done, and nothing found; 1 the check found something; 2 unusable arguments or files.
 #include <fmt/format.h>
@@ -101,7 +101,8 @@ void check_arguments(const Arguments& a, bool decimates) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Makes a dataset from a recipe and a seed, and writes it to a file (.ply, .obj, .pcd, .xyz).");
+  CLI::App app(
+      "Makes a dataset from a recipe and a seed, and writes it to a file (.ply, .obj, .pcd, .xyz, .csv).");
   Arguments a;
   app.add_option("recipe", a.recipe, "which one; see --list (with --check and --decimate: the file to read)");
   app.add_option("file", a.file, "where to; the extension tells the format");

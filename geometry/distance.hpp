@@ -34,17 +34,23 @@ inline constexpr T smallest_area2 = std::numeric_limits<T>::digits < 30 ? T(0x1p
 template <class T>
 inline constexpr T largest_area2 = T(1) / smallest_area2<T>;
 
+/// The square of the sine of the angle at corner a below which float looks at a triangle in double: its
+/// normal is off by some u / sine, and the point nearest to one on the face by that much of an edge.
+inline constexpr float thin_sine2 = 1.0f / 256;
+
 template <class T>
 ClosestOnTriangle<T> closest_on_extreme_triangle(const Vec<T, 3>& p, const Triangle<T>& triangle);
+ClosestOnTriangle<float> closest_on_thin_triangle(const Vec<float, 3>& p, const Triangle<float>& triangle);
 }  // namespace detail
 
 /// The point of a triangle nearest to p.
 /// Method: the nearest of four candidates, one on each edge and, where the triangle has an area and p
 /// projects into it, one on the face. Every candidate is a point of the triangle, so that the answer stays an
 /// upper bound whatever rounding does, and needles, segments and single points need no case of their own. A
-/// triangle whose squared area could over- or underflow is looked at scaled by a power of two.
+/// triangle whose squared area could over- or underflow is looked at scaled by a power of two; in float, one
+/// that is thin at corner a is looked at in double.
 /// Cost: about 90 operations and 4 divisions (Ericson 2005, section 5.1.5, skips some of them but loses
-/// slivers); twice that for a triangle of no area.
+/// slivers); twice that for a triangle of no area, or a thin one in float.
 template <class T, bool extreme = false>
 ClosestOnTriangle<T> closest_point_on_triangle(const Vec<T, 3>& p, const Triangle<T>& triangle) {
   const Vec<T, 3> ab = triangle.b - triangle.a, ac = triangle.c - triangle.a, normal = cross(ab, ac);
@@ -52,6 +58,9 @@ ClosestOnTriangle<T> closest_point_on_triangle(const Vec<T, 3>& p, const Triangl
   if constexpr (!extreme)
     if (!(area2 >= detail::smallest_area2<T> && area2 <= detail::largest_area2<T>)) [[unlikely]]
       return detail::closest_on_extreme_triangle(p, triangle);
+  if constexpr (std::is_same_v<T, float>)
+    if (area2 < detail::thin_sine2 * length2(ab) * length2(ac)) [[unlikely]]
+      return detail::closest_on_thin_triangle(p, triangle);
 
   const Box<T, 3> box = triangle.box();
   ClosestOnTriangle<T> best{triangle.a, 4};
@@ -101,6 +110,15 @@ ClosestOnTriangle<T> closest_on_extreme_triangle(const Vec<T, 3>& p, const Trian
   best.point = min(max(scaled(best.point, -shift), box.low), box.high);
   best.distance2 = distance2(p, best.point);
   return best;
+}
+
+/// The point is the nearest of the triangle but for its own rounding, by which it stays in the triangle's
+/// box.
+[[gnu::noinline]] inline ClosestOnTriangle<float> closest_on_thin_triangle(const Vec<float, 3>& p,
+                                                                           const Triangle<float>& triangle) {
+  const auto wide = closest_point_on_triangle(Vec<double, 3>(p), Triangle<double>(triangle));
+  const Vec<float, 3> point(wide.point);
+  return {point, wide.feature, distance2(p, point)};
 }
 }  // namespace detail
 

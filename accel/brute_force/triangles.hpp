@@ -21,27 +21,27 @@ class BruteForce<Triangles<T, RayTest>>
   using Options = BuildOptions;
 
   explicit BruteForce(std::span<const geometry::Triangle<T>> triangles, const Options& options = {})
-      : BruteForce(TriangleSet<T>(triangles, options)) {}
+      : BruteForce(TriangleSet<T>(triangles, options), options) {}
   explicit BruteForce(const geometry::Mesh<T>& mesh, const Options& options = {})
-      : BruteForce(TriangleSet<T>(mesh, options)) {}
+      : BruteForce(TriangleSet<T>(mesh, options), options) {}
 
   /// One cell: the box of all triangles.
   std::vector<SliceCell> slice(int axis, double offset) const {
-    offset *= static_cast<double>(this->scale_.factor());
+    offset = this->place_.kept_offset(axis, offset);
     const SlicePlane<3> plane(axis, offset);
-    if (!plane.cuts(this->bounds_)) return {};
-    return scaled({{plane.outline(this->bounds_), 0, this->size()}},
-                  static_cast<double>(this->scale_.inverse()));
+    if (this->size() == 0 || !plane.cuts(this->bounds_)) return {};
+    return this->place_.given({{plane.outline(this->bounds_), 0, this->size()}}, axis);
   }
 
  private:
-  explicit BruteForce(TriangleSet<T>&& set) : Base(set), triangles_(set.items.size()) {
+  BruteForce(TriangleSet<T>&& set, const Options& options) : Base(set), triangles_(set.items.size()) {
     triangles_.put(0, set.items, std::views::iota(std::size_t{0}, set.items.size()));
     TreeStats& s = this->stats_;
     s.references = s.largest_leaf = triangles_.size();
     s.leaves = triangles_.size() == 0 ? 0 : 1;
     s.sah_cost = static_cast<double>(triangles_.size());
     s.bytes = sizeof(*this) + triangles_.bytes();
+    this->keep_flat(std::move(set), options);
   }
 
   template <bool any, class W>

@@ -61,6 +61,10 @@ class BspTriangleBuilder {
         depth_limit_(kd_depth_limit(set.items.size())),
         tasks_(options.threads) {
     check_threads(options.threads);
+    check_cost("step_cost", options.step_cost);
+    check_cost("oblique_cost", options.oblique_cost);
+    if (!(0 <= options.empty_bonus && options.empty_bonus <= 1))
+      throw InvalidInput("empty_bonus is " + std::to_string(options.empty_bonus) + "; it must be in [0, 1]");
     if (!(options.max_references >= 1)) throw InvalidInput("max_references must be at least 1");
     if (options.sample < 1 || options.axis_planes < 0 || options.oblique_planes < 0)
       throw InvalidInput("sample must be positive; axis_planes and oblique_planes must not be negative");

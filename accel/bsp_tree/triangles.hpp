@@ -64,6 +64,7 @@ BspTree<Triangles<T, RayTest>>::BspTree(TriangleSet<T>&& set, const Options& opt
   s.largest_leaf = built.tree.largest_leaf;
   s.sah_cost = built.tree.cost;
   s.bytes = sizeof(*this) + nodes_.capacity() * sizeof(Node) + triangles_.bytes();
+  this->keep_flat(std::move(set), options);
 }
 
 /// The ray's share of the distance from a plane within which it counts as on it. Infinite, so that both sides
@@ -178,7 +179,7 @@ void BspTree<Triangles<T, RayTest>>::approach(ClosestQuery<T>& query, W& work) c
 
 template <class T, class RayTest>
 std::vector<SliceCell> BspTree<Triangles<T, RayTest>>::slice(int axis, double offset) const {
-  offset *= static_cast<double>(this->scale_.factor());
+  offset = this->place_.kept_offset(axis, offset);
   const SlicePlane<3> plane(axis, offset);
   struct Open {
     std::uint32_t node;
@@ -206,7 +207,7 @@ std::vector<SliceCell> BspTree<Triangles<T, RayTest>>::slice(int axis, double of
     open.push_back({now.node + 1, clipped(now.outline, in_slice, level), now.depth + 1});
     open.push_back({node.link, clipped(now.outline, -in_slice, -level), now.depth + 1});
   }
-  return scaled(std::move(cells), static_cast<double>(this->scale_.inverse()));
+  return this->place_.given(std::move(cells), axis);
 }
 
 static_assert(TriangleIndex<BspTree<Triangles<float, geometry::Watertight>>>);

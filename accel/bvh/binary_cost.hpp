@@ -22,8 +22,7 @@ inline void check(const BinaryBuildOptions& options, std::size_t triangles) {
   };
   need(options.block >= 1, "block", options.block, "at least 1");
   need(options.largest_leaf >= 1, "largest_leaf", options.largest_leaf, "at least 1");
-  need(options.node_cost > 0 && std::isfinite(options.node_cost), "node_cost", options.node_cost,
-       "positive and finite");
+  check_cost("node_cost", options.node_cost);
   if (triangles >= (std::size_t{1} << 30))
     throw InvalidInput(std::to_string(triangles) + " triangles; a binary tree takes 2^30 - 1 at most");
 }

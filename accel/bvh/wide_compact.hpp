@@ -21,6 +21,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "accel/bvh/wide_closest.hpp"
 #include "accel/bvh/wide_ray.hpp"
 
 namespace treeline::accel::wide {
@@ -261,6 +262,15 @@ template <class Count>
       ray, limit);
   hits.bits &= node.present;
   return hits;
+}
+template <class Count>
+[[gnu::always_inline]] inline BoxHits<8> near(const CompactNode<Count>& node, const ClosestPlace& place,
+                                              float limit) {
+  using F = simd::Floats<8>;
+  const F d2 = place.to_boxes<8>([&](int k, int high) {
+    return F::of(node.plane[k][high]) * F::broadcast(node.step(k)) + F::broadcast(node.origin[k]);
+  });
+  return {d2, bits_le(d2, F::broadcast(limit)) & node.present};
 }
 
 template <>

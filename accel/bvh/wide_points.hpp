@@ -68,8 +68,8 @@ class Bvh<Points<T, D>, Wide> : public PointQueries<Bvh<Points<T, D>, Wide>, T, 
   void visit_near(const Point& q, Visitor& visitor, W& work) const;
 
   template <class W>
-  void visit_best(const Point& q, BestCandidates<T, D>& best, W& work) const {
-    if (this->size() > 0) wide::Ranking<D, T, W>(tree_, q, best, work).run();
+  void visit_best(BestCandidates<T, D>& best, W& work) const {
+    if (this->size() > 0) wide::Ranking<D, T, W>(tree_, best, work).run();
   }
 
   template <class F>

@@ -1,11 +1,12 @@
 // A wide tree for the same triangles with moved corners: boxes anew from the leaves up, the structure kept.
 //
-// What animation asks for every frame (Wald, Boulos and Shirley 2007). Cost: O(n), some ten times less than a
-// build. Large subtrees are refitted side by side; the result does not depend on the number of threads. A
-// triangle that has lost its area or become infinite stays where it is, as a point that no ray hits, and may
-// come back. Known weakness: the structure was made for other places, and rays pay for it the more the
-// farther triangles that were together have come apart; pieces of triangles that spatial splits made grow
-// into whole ones; children keep the order in which any-hit rays take them.
+// What animation asks for every frame (Wald, Boulos and Shirley 2007). Cost: O(n), 3.6 to 6.6 times less than
+// a build (bench_ray --moving, 1e4 to 1e6 triangles). Large subtrees are refitted side by side; the result
+// does not depend on the number of threads. A triangle that has lost its area or become infinite stays where
+// it is, as a point that no ray hits, and may come back. Known weakness: the structure was made for other
+// places, and rays pay for it the more the farther triangles that were together have come apart; pieces of
+// triangles that spatial splits made grow into whole ones; children keep the order in which any-hit rays take
+// them.
 #pragma once
 
 #include "accel/bvh/wide_collapse.hpp"

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "accel/bvh/wide_layout.hpp"
+#include "accel/point_measure.hpp"
 #include "accel/simd/doubles16.hpp"
 #include "accel/simd/sorted_keys.hpp"
 
@@ -213,7 +214,7 @@ template <int D, class Best>
 
 /// How far an approximate search goes.
 struct Effort {
-  float shrink = 1;  // boxes farther than the limit times this are left out
+  float shrink = 1;  // boxes farther than the limit times this are left out once there are k
   std::size_t leaves = static_cast<std::size_t>(-1);
   bool fills = true;  // goes on until there are k
 };
@@ -223,7 +224,10 @@ template <bool exact, int D, class T, class Best, class W>
 [[gnu::always_inline]] inline void search(const Tree<D, T>& tree, const Query<D, T>& q, Path<D>& path,
                                           Best& best, Effort effort, W& work) {
   const auto limit = [&] {
-    return exact ? best.limit() : bits_of(std::bit_cast<float>(best.limit()) * effort.shrink);
+    const std::int32_t worst = best.limit();
+    if (exact || best.last_id() == no_id) return worst;
+    const std::int32_t vague = bits_of(vague_square<float>());
+    return std::max(bits_of(std::bit_cast<float>(worst) * effort.shrink), std::min(worst, vague));
   };
   const auto take = [&](std::size_t leaf) {
     work.node(), work.primitive(lanes);

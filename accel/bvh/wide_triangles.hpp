@@ -1,17 +1,19 @@
-// Wide bounding volume hierarchy over triangles: the fastest index here for rays.
+// Wide bounding volume hierarchy over triangles: the fastest index here for rays and for closest points.
 //
 // Eight child boxes a node and eight triangles a leaf (WideOf: other numbers), each measured by one pass of
 // vector instructions (Wald, Benthin and Boulos 2008; Ernst and Greiner 2008), children visited in order of
 // distance without a branch on how many were met. Layout, box test, triangle test and traversal are described
 // in wide_triangle_layout.hpp, wide_ray.hpp and wide_woop.hpp, the way there in build_binned.hpp and
-// wide_collapse.hpp; any builder of binary trees can take the place of the default. Cost: O(n log n) to
-// build, O(log n) expected per ray, about 50 bytes a triangle, its corners included. Known weakness: float's,
-// for triangles seen edge-on (see wide_woop.hpp); one ray at a time waits for memory at every level where the
-// tree outgrows the caches.
+// wide_collapse.hpp; any builder of binary trees can take the place of the default. Closest points are found
+// in the same tree (wide_closest_search.hpp), and among the triangles of no area in a second one, if there
+// are any. Cost: O(n log n) to build, O(log n) expected per ray, about 50 bytes a triangle, its corners
+// included. Known weakness: float's, for triangles seen edge-on (see wide_woop.hpp); one ray at a time waits
+// for memory at every level where the tree outgrows the caches.
 #pragma once
 
 #include "accel/bvh/build_binned.hpp"
 #include "accel/bvh/triangle_input.hpp"
+#include "accel/bvh/wide_closest_queries.hpp"
 #include "accel/bvh/wide_collapse.hpp"
 #include "accel/bvh/wide_exact.hpp"
 #include "accel/bvh/wide_packet.hpp"
@@ -38,6 +40,9 @@ struct WideTriangleOptions {
 };
 
 namespace wide {
+template <class Tree>
+class Crossings;  // wide_crossing.hpp
+
 /// Leaf test of a policy, for N triangles a leaf.
 template <class Policy, int N>
 struct LeafTestOf;
@@ -49,10 +54,19 @@ template <int N>
 struct LeafTestOf<geometry::Exact, N> {
   using Type = ExactTest<N>;
 };
+template <class Policy>
+concept HasLeafTest = requires {
+  typename LeafTestOf<Policy, 8>::Type;
+};
 }  // namespace wide
 
 template <class Policy, wide::TriangleLayout Name>
-class Bvh<Triangles<float, Policy>, Name> {
+class Bvh<Triangles<float, Policy>, Name>
+    : public WideClosestQueries<Bvh<Triangles<float, Policy>, Name>, typename wide::LayoutOf<Name>::Type> {
+  friend WideClosestQueries<Bvh, typename wide::LayoutOf<Name>::Type>;
+  static_assert(wide::HasLeafTest<Policy>,
+                "wide trees over triangles take the ray tests geometry::Watertight and geometry::Exact");
+
  public:
   using Scalar = float;
   using Point = geometry::Vec<float, 3>;
@@ -62,7 +76,8 @@ class Bvh<Triangles<float, Policy>, Name> {
   using Options = WideTriangleOptions;
   using Layout = typename wide::LayoutOf<Name>::Type;
 
-  /// Throw InvalidInput for triangles that are not finite (unless they are to be dropped) or threads < 1.
+  /// Throw InvalidInput for triangles that are not finite (unless they are to be dropped), threads < 1, or a
+  /// node_cost that is not positive and finite.
   explicit Bvh(std::span<const Triangle> triangles, const Options& options = {})
       : Bvh(triangles, options, build_binned) {}
   explicit Bvh(const geometry::Mesh<float>& mesh, const Options& options = {})
@@ -129,7 +144,7 @@ class Bvh<Triangles<float, Policy>, Name> {
     check_ray(given);
     hits.clear();
     if (tree_.root == wide::no_ref) return;
-    placed(given, [&](const Ray& ray, const Point& centre, int shift) {
+    placed(given, [&](const auto& ray, const Point& centre, int shift) {
       const BoxRay box_ray(ray, centre, place_.bounds);
       const Test test(ray, centre, place_.bounds, box_ray.reach);
       wide::all(tree_.lines.data(), tree_.root, box_ray, test, ray.t_max,
@@ -158,10 +173,11 @@ class Bvh<Triangles<float, Policy>, Name> {
     place_ = input.place();
     if (input.triangles().empty()) place_.bounds = {Point{}, Point{}};
     refit.run(threads);
+    set_aside(input, threads);
     count_triangles(input);
   }
 
-  /// Number of triangles kept.
+  /// Number of triangles kept: those that rays can hit.
   std::size_t size() const { return stats_.primitives; }
   std::size_t bytes() const { return stats_.bytes; }
   TreeStats stats() const { return stats_; }
@@ -173,6 +189,9 @@ class Bvh<Triangles<float, Policy>, Name> {
   std::vector<SliceCell> slice(int axis, double offset) const;
 
  private:
+  template <class Tree>
+  friend class wide::Crossings;
+
   using Test = typename wide::LeafTestOf<Policy, Layout::leaf_size>::Type;
   using BoxRay = wide::BoxRay<Layout>;
   using NearestHit = wide::NearestHit<Layout>;
@@ -180,17 +199,37 @@ class Bvh<Triangles<float, Policy>, Name> {
   template <class Build>
   Bvh(TriangleInput&& input, const Options& options, Build&& build)
       : place_(input.place()), non_finite_(options.non_finite) {
+    check_cost("node_cost", options.node_cost);
     BinaryBuildOptions how;
     how.block = how.largest_leaf = Layout::leaf_size;
     how.node_cost = options.node_cost, how.threads = options.threads;
     const BinaryTree binary = build(input.triangles(), how);
     tree_ = wide::Collapse<Layout>(binary, input.triangles(), input.ids(), options.threads).run();
+    built_size_ = input.triangles().size();
+    set_aside(input, options.threads);
     count(input);
+  }
+  /// Keeps the triangles of no area in a tree of their own.
+  void set_aside(const TriangleInput& input, int threads) {
+    const TriangleInput rest = input.without_area(threads);
+    aside_ = {};
+    if (rest.triangles().empty()) return;
+    BinaryBuildOptions how;
+    how.block = how.largest_leaf = Layout::leaf_size, how.threads = threads;
+    aside_ = {rest.place(), wide::Collapse<Layout>(build_binned(rest.triangles(), how), rest.triangles(),
+                                                   rest.ids(), threads)
+                                .run()};
   }
   void count(const TriangleInput& input);
   void count_triangles(const TriangleInput& input) {
     stats_.primitives = input.triangles().size(), stats_.dropped = input.dropped();
     stats_.sah_cost = tree_.sah_cost;
+    stats_.bytes = sizeof(*this) + tree_.lines.bytes() + aside_.tree.lines.bytes();
+  }
+  template <class F>
+  void each_closest_space(F&& f) const {
+    f(wide::ClosestSpace{tree_, place_, size() < built_size_});
+    if (aside_.tree.root != wide::no_ref) f(wide::ClosestSpace{aside_.tree, aside_.place, false, false});
   }
 
   /// Calls f(ray, centre, shift): the ray moved by -centre is in the tree's space, its t the given ray's
@@ -201,12 +240,19 @@ class Bvh<Triangles<float, Policy>, Name> {
       return f(given, place_.centre, 0);
     int shift;
     const Ray ray = place_.scale.scaled(given, shift);
-    return f(ray, place_.scaled_centre, shift);
+    if constexpr (std::same_as<Policy, geometry::Exact>) {
+      const auto time = [&](float t) { return std::ldexp(t, shift); };  // an end at infinity stays there
+      const Ray open{ray.origin, ray.direction, time(given.t_min), time(given.t_max)};
+      return f(wide::ScaledRay{open, given, place_.centre, place_.scale.factor(), shift},
+               place_.scaled_centre, shift);
+    } else {
+      return f(ray, place_.scaled_centre, shift);
+    }
   }
   template <class W>
   Hit<float> closest(const Ray& given, W& work) const {
     if (tree_.root == wide::no_ref) return {};
-    return placed(given, [&](const Ray& ray, const Point& centre, int shift) {
+    return placed(given, [&](const auto& ray, const Point& centre, int shift) {
       const BoxRay box_ray(ray, centre, place_.bounds);
       const Test test(ray, centre, place_.bounds, box_ray.reach);
       NearestHit best{ray.t_max};
@@ -217,15 +263,21 @@ class Bvh<Triangles<float, Policy>, Name> {
   static Hit<float> answer(const Ray& given, int shift, const Test& test, const NearestHit& best) {
     Hit<float> hit;
     if (best.id == no_id) return hit;
-    hit.t = shift == 0 ? best.t : TriangleScale<float>::unscaled_t(best.t, shift, given);
+    const auto& leaf = Layout::triangles(*best.leaf);
+    if (shift == 0)
+      hit.t = best.t;
+    else if constexpr (requires { test.time(leaf, best.lane, shift); })
+      hit.t = test.time(leaf, best.lane, shift);
+    else
+      hit.t = TriangleScale<float>::unscaled_t(best.t, shift, given);
     hit.primitive = best.id;
-    test.weights(Layout::triangles(*best.leaf), best.lane, hit.u, hit.v);
+    test.weights(leaf, best.lane, hit.u, hit.v);
     return hit;
   }
   template <class W>
   bool any(const Ray& given, W& work) const {
     if (tree_.root == wide::no_ref) return false;
-    return placed(given, [&](const Ray& ray, const Point& centre, int) {
+    return placed(given, [&](const auto& ray, const Point& centre, int) {
       const BoxRay box_ray(ray, centre, place_.bounds);
       return wide::any(tree_.lines.data(), tree_.root, box_ray,
                        Test(ray, centre, place_.bounds, box_ray.reach), ray.t_max, work);
@@ -247,7 +299,7 @@ class Bvh<Triangles<float, Policy>, Name> {
     if constexpr (wide::WalksInPackets<Layout>) {
       wide::Packet<Layout, Test> packet;
       const auto add = [&](std::size_t i) {
-        return placed(rays[i], [&](const Ray& ray, const Point& centre, int shift) {
+        return placed(rays[i], [&](const auto& ray, const Point& centre, int shift) {
           return packet.add(ray, centre, place_.bounds, i, shift);
         });
       };
@@ -280,7 +332,7 @@ class Bvh<Triangles<float, Policy>, Name> {
   }
   template <class Flight>
   void start(Flight& flight, const Ray& given, std::size_t i) const {
-    placed(given, [&](const Ray& ray, const Point& centre, int shift) {
+    placed(given, [&](const auto& ray, const Point& centre, int shift) {
       flight.start(ray, centre, place_.bounds, tree_.root);
       flight.index = i, flight.shift = shift;
     });
@@ -289,6 +341,11 @@ class Bvh<Triangles<float, Policy>, Name> {
   TriangleInput::Place place_;
   NonFinite non_finite_;
   wide::RayTree tree_;
+  struct Aside {
+    TriangleInput::Place place;
+    wide::RayTree tree;
+  } aside_;
+  std::size_t built_size_ = 0;
   TreeStats stats_;
 };
 
@@ -297,7 +354,6 @@ void Bvh<Triangles<float, Policy>, Name>::count(const TriangleInput& input) {
   count_triangles(input);
   stats_.references = tree_.references, stats_.inner_nodes = tree_.nodes, stats_.leaves = tree_.leaves;
   stats_.depth = tree_.depth, stats_.largest_leaf = tree_.largest_leaf;
-  stats_.bytes = sizeof(*this) + tree_.lines.bytes();
 }
 
 template <class Policy, wide::TriangleLayout Name>
@@ -336,6 +392,7 @@ std::vector<SliceCell> Bvh<Triangles<float, Policy>, Name>::slice(int axis, doub
 }
 
 static_assert(RayIndex<Bvh<Triangles<float, geometry::Watertight>, Wide>>);
+static_assert(ClosestPointIndex<Bvh<Triangles<float, geometry::Watertight>, Wide>>);
 static_assert(Inspectable<Bvh<Triangles<float, geometry::Watertight>, Wide>>);
 
 }  // namespace treeline::accel

@@ -73,6 +73,9 @@ class KdTriangleBuilder {
         tasks_(options.threads) {
     if (!(options.max_references >= 1)) throw InvalidInput("max_references must be at least 1");
     check_threads(options.threads);
+    check_cost("step_cost", options.step_cost);
+    if (!(0 <= options.empty_bonus && options.empty_bonus <= 1))
+      throw InvalidInput("empty_bonus is " + std::to_string(options.empty_bonus) + "; it must be in [0, 1]");
     const std::size_t n = set.items.size();
     if (n == 0) return;
     double widest = 0;

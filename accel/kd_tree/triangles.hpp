@@ -62,6 +62,7 @@ KdTree<Triangles<T, RayTest>>::KdTree(TriangleSet<T>&& set, const Options& optio
   s.largest_leaf = built.tree.largest_leaf;
   s.sah_cost = built.tree.cost;
   s.bytes = sizeof(*this) + nodes_.capacity() * sizeof(Node) + triangles_.bytes();
+  this->keep_flat(std::move(set), options);
 }
 
 template <class T, class RayTest>
@@ -146,7 +147,7 @@ void KdTree<Triangles<T, RayTest>>::approach(ClosestQuery<T>& query, W& work) co
 
 template <class T, class RayTest>
 std::vector<SliceCell> KdTree<Triangles<T, RayTest>>::slice(int axis, double offset) const {
-  offset *= static_cast<double>(this->scale_.factor());
+  offset = this->place_.kept_offset(axis, offset);
   const SlicePlane<3> plane(axis, offset);
   struct Open {
     std::uint32_t node;
@@ -170,7 +171,7 @@ std::vector<SliceCell> KdTree<Triangles<T, RayTest>>::slice(int axis, double off
     below.cell.high[k] = above.cell.low[k] = node.border[0] / 2 + node.border[1] / 2;
     open.push_back(below), open.push_back(above);
   }
-  return scaled(std::move(cells), static_cast<double>(this->scale_.inverse()));
+  return this->place_.given(std::move(cells), axis);
 }
 
 static_assert(TriangleIndex<KdTree<Triangles<float, geometry::Watertight>>>);

@@ -95,6 +95,21 @@ struct Lanes {
     for (int i = 0; i < regs; ++i) m.m[i] = a.r[i] <= b.r[i];
     return m;
   }
+  // b where either is NaN.
+  friend Lanes min(Lanes a, const Lanes& b) {
+    for (int i = 0; i < regs; ++i) a.r[i] = a.r[i] < b.r[i] ? a.r[i] : b.r[i];
+    return a;
+  }
+  friend Lanes max(Lanes a, const Lanes& b) {
+    for (int i = 0; i < regs; ++i) a.r[i] = a.r[i] > b.r[i] ? a.r[i] : b.r[i];
+    return a;
+  }
+  /// a where the mask says yes, else b.
+  friend Lanes chosen(const Mask& m, Lanes a, const Lanes& b) {
+    for (int i = 0; i < regs; ++i) a.r[i] = m.m[i] ? a.r[i] : b.r[i];
+    return a;
+  }
+  void store(T* p) const { std::memcpy(p, r, sizeof r); }
 
  private:
   static std::uint32_t bits_of(const Flags& flags) {

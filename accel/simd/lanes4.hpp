@@ -47,6 +47,11 @@ inline std::uint32_t bits_le(Floats4 a, Floats4 b) {
 inline std::uint32_t bits_lt(Floats4 a, Floats4 b) {
   return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_cmplt_ps(a.r, b.r)));
 }
+/// Of numbers that are not NaN.
+inline float smallest(Floats4 a) {
+  const __m128 two = _mm_min_ps(a.r, _mm_movehl_ps(a.r, a.r));
+  return _mm_cvtss_f32(_mm_min_ss(two, _mm_shuffle_ps(two, two, 1)));
+}
 #else
 struct Floats4 {
   FloatReg r;
@@ -78,6 +83,10 @@ inline std::uint32_t bits_lt(Floats4 a, Floats4 b) {
   std::uint32_t bits = 0;
   for (int i = 0; i < 4; ++i) bits |= (a.r[i] < b.r[i] ? 1u : 0u) << i;
   return bits;
+}
+inline float smallest(Floats4 a) {
+  const float x = a.r[0] < a.r[2] ? a.r[0] : a.r[2], y = a.r[1] < a.r[3] ? a.r[1] : a.r[3];
+  return x < y ? x : y;
 }
 #endif
 

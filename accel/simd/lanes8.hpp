@@ -107,4 +107,7 @@ inline std::uint32_t bits_lt(Floats8 a, Floats8 b) {
 
 #endif
 
+/// Of numbers that are not NaN.
+inline float smallest(Floats8 a) { return smallest(min(a.low(), a.high())); }
+
 }  // namespace treeline::accel::simd

@@ -115,7 +115,8 @@ struct PackedBox {
 #if TREELINE_SIMD >= 128
   static void store_bins(__m128 x, const float* origin, const float* scale, std::int32_t last,
                          std::int32_t* bin) {
-    const __m128 cell = _mm_mul_ps(_mm_sub_ps(x, _mm_loadu_ps(origin)), _mm_loadu_ps(scale));
+    const __m128 from = _mm_blend_ps(_mm_sub_ps(x, _mm_loadu_ps(origin)), _mm_setzero_ps(), 8);  // as above
+    const __m128 cell = _mm_mul_ps(from, _mm_loadu_ps(scale));
     const __m128i i = _mm_min_epi32(_mm_cvttps_epi32(cell), _mm_set1_epi32(last));
     _mm_storeu_si128(reinterpret_cast<__m128i*>(bin), _mm_max_epi32(i, _mm_setzero_si128()));
   }

@@ -115,15 +115,22 @@ std::string format_cost(const Rung& rung) {
   return format_time(sum);
 }
 
+constexpr std::size_t most_ties = 4;  // that are named; the rest is counted
+
 /// Other rungs that meet the tolerance in a time that the chosen one's cannot be told from.
 std::string format_ties(const Advice& advice) {
   std::string out;
+  std::size_t found = 0;
   for (std::size_t i = *advice.chosen + 1; i < advice.rungs.size(); ++i) {
     const Rung& rung = advice.rungs[i];
     if (!rung.limit.empty() || !interval_of(rung) || !as_fast(advice.rungs[*advice.chosen], rung)) continue;
+    if (++found > most_ties) continue;
     out += fmt::format("  close  {} at {} meets it, too: the intervals overlap\n",
                        rung_name(rung.rows.front()), format_cost(rung));
   }
+  if (found > most_ties)
+    out += fmt::format("  close  {} {} it, too\n", counted(found - most_ties, "more rung", "more rungs"),
+                       found - most_ties == 1 ? "meets" : "meet");
   return out;
 }
 
@@ -218,9 +225,9 @@ std::string format_advice(const Advice& advice, double tolerance, const std::str
     out += fmt::format(" (truth itself ±{})", format_error(floor));
   if (!promises(row) && worst(rung, &Errors::error) <= worst(rung, &Errors::floor).value_or(0))
     out += "\n         approximate; exact on this sample, which promises nothing for other queries";
-  out += fmt::format("\n  build  {}, {}\n",
-                     row.build_s ? fmt::format("{:.3g} s", *row.build_s) : "no time known",
-                     row.bytes ? format_bytes(*row.bytes) : "bytes not counted");
+  out +=
+      fmt::format("\n  build  {}, {}\n", row.build_s ? format_time_ns(*row.build_s * 1e9) : "no time known",
+                  row.bytes ? format_bytes(*row.bytes) : "bytes not counted");
   if (row.input_bytes && *row.input_bytes > 0) {
     out.pop_back();
     out += fmt::format(" beside {} of your own that must stay\n", format_bytes(*row.input_bytes));

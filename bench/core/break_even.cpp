@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "bench/core/cells.hpp"
+#include "bench/core/table.hpp"
 
 namespace treeline::bench {
 namespace {
@@ -25,21 +26,21 @@ const Rung* cheapest_build(const Advice& advice, bool brute) {
   return best;
 }
 
-std::string format_line(const Rung& advised, const Rung* other, const char* what) {
+std::string format_line(const Rung& advised, const Rung* other, const char* what, const char* article = "") {
   if (!other) return fmt::format("  few    no {} that meets the tolerance was measured here\n", what);
   const std::optional<double> queries = break_even(advised, *other);
   if (!queries)
     return fmt::format("  few    the build of {} has no known time\n", advised.rows.front().method);
   const Row& row = other->rows.front();
   const std::string name = row.method + (row.build_knobs.empty() ? "" : ", " + format_knobs(row.build_knobs));
+  const std::string build = format_time_ns(*row.build_s * 1e9);
   if (*queries < 1)
-    return fmt::format("  few    not even for one query of each set a {} costs less ({}: build {:.3g} s)\n",
-                       what, name, *row.build_s);
+    return fmt::format("  few    not even for one query of each set does {}{} cost less ({}: build {})\n",
+                       article, what, name, build);
   if (std::isinf(*queries))
-    return fmt::format("  few    {} answers as fast and always costs less (build {:.3g} s)\n", name,
-                       *row.build_s);
-  return fmt::format("  few    for up to {:.0f} {} of each set {} costs less (build {:.3g} s)\n",
-                     std::floor(*queries), *queries < 2 ? "query" : "queries", name, *row.build_s);
+    return fmt::format("  few    {} answers as fast and always costs less (build {})\n", name, build);
+  return fmt::format("  few    for up to {:.0f} {} of each set {} costs less (build {})\n",
+                     std::floor(*queries), *queries < 2 ? "query" : "queries", name, build);
 }
 
 }  // namespace
@@ -57,7 +58,7 @@ std::string format_break_even(const Advice& advice) {
   const Rung& advised = advice.rungs[*advice.chosen];
   std::string out;
   if (!is_brute(advised)) out += format_line(advised, cheapest_build(advice, true), "brute force");
-  return out + format_line(advised, cheapest_build(advice, false), "cheaper build");
+  return out + format_line(advised, cheapest_build(advice, false), "cheaper build", "a ");
 }
 
 }  // namespace treeline::bench

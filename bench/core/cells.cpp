@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <new>
 
 #include "bench/core/options.hpp"
@@ -21,6 +22,7 @@ Row row_of(const Task& task, const BlockFacts& facts, const QuerySet& set, int t
   row.n = facts.n, row.seed = facts.seed;
   row.dataset_hash = format_hash(facts.hash);
   row.query_set = set.name, row.queries = set.size, row.threads = threads;
+  row.advised = !facts.spec.hard && !facts.spec.scaling && std::ranges::count(task.advise_on(), set.name) > 0;
   return row;
 }
 

@@ -11,7 +11,8 @@
 namespace treeline::bench {
 namespace {
 
-constexpr double memory_share = 0.4;  // of the free memory, for subjects held at one time
+constexpr double checking_share = 0.3;  // of a query set's time: one run of each cell, and its judging
+constexpr double memory_share = 0.4;    // of the free memory, for subjects held at one time
 
 std::size_t memory_budget() {
   const auto pages = static_cast<double>(sysconf(_SC_AVPHYS_PAGES));
@@ -84,11 +85,13 @@ std::vector<Row> Harness::run(const BlockFacts& facts, Block& block, Progress& p
     const std::size_t first = next;
     Group group = next_group(pending, next, block, progress);
     for (std::size_t s = 0; s < facts.query_sets.size(); ++s) {
-      const double done = static_cast<double>(s) / static_cast<double>(facts.query_sets.size());
-      progress.step((static_cast<double>(first) + done * static_cast<double>(next - first)) /
-                        static_cast<double>(pending.size()),
-                    facts.query_sets[s].name);
-      run_query_set(group, s, block);
+      const auto tell = [&](double share, const std::string& method) {
+        const double done = (static_cast<double>(s) + share) / static_cast<double>(facts.query_sets.size());
+        progress.step((static_cast<double>(first) + done * static_cast<double>(next - first)) /
+                          static_cast<double>(pending.size()),
+                      facts.query_sets[s].name + " by " + method);
+      };
+      run_query_set(group, s, block, tell);
     }
   }
   return std::move(rows_);
@@ -123,14 +126,18 @@ Harness::Group Harness::next_group(std::vector<Cell>& cells, std::size_t& next, 
   return group;
 }
 
-void Harness::run_query_set(Group& group, std::size_t query_set, Block& block) {
+void Harness::run_query_set(Group& group, std::size_t query_set, Block& block,
+                            const std::function<void(double, const std::string&)>& tell) {
   std::vector<Cell*> cells;
   std::vector<Cell*> timed;
   std::vector<TimedCell> timing;
-  for (Group::Held& held : group.held)
+  double builds = 0;
+  for (Group::Held& held : group.held) {
+    const double share = checking_share * builds++ / static_cast<double>(group.held.size());
     for (Cell& cell : held.cells) {
       if (cell.query_set != query_set) continue;
       cells.push_back(&cell);
+      tell(share, cell.row.method);
       const double seconds = run_and_check(block, *held.build.subject, cell);
       if (cell.row.status != Status::ok && cell.row.status != Status::wrong) continue;
       timed.push_back(&cell);
@@ -141,7 +148,11 @@ void Harness::run_query_set(Group& group, std::size_t query_set, Block& block) {
       };
       timing_of.seconds = seconds;
     }
-  timer_.measure(timing);
+  }
+  timer_.measure(timing, [&](double share, const TimedCell& at) {
+    tell(checking_share + (1 - checking_share) * share,
+         timed[static_cast<std::size_t>(&at - timing.data())]->row.method);
+  });
   for (std::size_t i = 0; i < timing.size(); ++i) {
     if (timing[i].error)
       std::tie(timed[i]->row.status, timed[i]->row.reason) = classify(timing[i].error);

@@ -25,7 +25,9 @@ class Harness {
  private:
   struct Group;  // subjects held at one time, and their cells
   Group next_group(std::vector<Cell>& cells, std::size_t& next, Block&, Progress&);
-  void run_query_set(Group&, std::size_t query_set, Block&);
+  /// tell: the share done and at which method.
+  void run_query_set(Group&, std::size_t query_set, Block&,
+                     const std::function<void(double share, const std::string& method)>& tell);
   void finish(const Row&);
 
   const Task& task_;

@@ -6,6 +6,7 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <tbb/global_control.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -15,8 +16,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <memory>
 #include <new>
 #include <system_error>
+#include <vector>
 
 namespace treeline::bench {
 namespace {
@@ -25,6 +28,12 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t tail_length = 200;  // characters of stderr that a reason keeps
 constexpr int exit_done = 0, exit_no_memory = 77, exit_exception = 78;
+// Those of the SingleThreaded that live.
+std::vector<std::unique_ptr<tbb::global_control>>& controls() {
+  static std::vector<std::unique_ptr<tbb::global_control>> all;
+  return all;
+}
+
 constexpr const char* end_mark = "\x04";  // last line of a child that came to its end
 
 struct Pipe {
@@ -202,8 +211,10 @@ Ending run_isolated(const std::function<void(const Send&)>& work, const Limits& 
     if (signal == SIGKILL) return {Status::out_of_memory, with_tail("killed by the system", tail)};
     if (tail.find("std::bad_alloc") != std::string::npos)  // it could not unwind, and aborted
       return {Status::out_of_memory, with_tail("memory limit reached", tail)};
-    return {Status::crashed,
-            with_tail("signal " + std::to_string(signal) + " (" + strsignal(signal) + ")", tail)};
+    std::string how = "signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
+    if (signal == SIGABRT && tail.find("Assertion `") != std::string::npos)
+      how = "an assertion that its package was built with failed, " + how;
+    return {Status::crashed, with_tail(std::move(how), tail)};
   }
   const int code = WEXITSTATUS(status);
   if (code == exit_done && reader.ended()) return {};
@@ -211,6 +222,15 @@ Ending run_isolated(const std::function<void(const Send&)>& work, const Limits& 
   if (code == exit_exception) return {Status::crashed, with_tail("uncaught exception", tail)};
   return {Status::crashed, with_tail("ended early with exit status " + std::to_string(code), tail)};
 }
+
+SingleThreaded::SingleThreaded() {
+  controls().push_back(
+      std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, 1));
+}
+
+SingleThreaded::~SingleThreaded() { controls().pop_back(); }
+
+void SingleThreaded::lift() { controls().clear(); }
 
 int thread_count() {
   int n = 0;

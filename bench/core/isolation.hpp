@@ -1,7 +1,8 @@
 // A piece of work in a child process with a limit on time and memory: what it sends arrives line by line, and
 // however it ends, the parent goes on.
 //
-// The parent must not have started threads: a fork copies only the calling one.
+// The parent must not have started threads: a fork copies only the calling one, and whoever then waits for
+// another, or for a lock that it held, waits for ever.
 #pragma once
 
 #include <cstddef>
@@ -28,6 +29,16 @@ using Send = std::function<void(const std::string& line)>;
 /// out_of_memory, any other exception counts as a crash.
 Ending run_isolated(const std::function<void(const Send&)>& work, const Limits&,
                     const std::function<void(const std::string&)>& on_line);
+
+/// While one lives, TBB starts no workers in this process, nor in its children unless they lift it.
+class SingleThreaded {
+ public:
+  SingleThreaded();
+  ~SingleThreaded();
+  static void lift();  // in a child, for good
+  SingleThreaded(const SingleThreaded&) = delete;
+  SingleThreaded& operator=(const SingleThreaded&) = delete;
+};
 
 /// Threads of this process.
 int thread_count();

@@ -46,12 +46,14 @@ bool has_set(const std::vector<std::string>& sets, const std::string& set) {
 }
 
 Broken try_peers(const Task& task, const BlockSpec& spec, const std::function<std::unique_ptr<Block>()>& open,
-                 const Chosen& chosen, const Limits& limits) {
+                 const Chosen& chosen, const Limits& limits,
+                 const std::function<void(const std::string&)>& tell) {
   Broken out;
   for (std::size_t next = 0;;) {  // number of the build that the next child starts with
     bool opened = false, refused = false;
     std::pair<std::size_t, std::size_t> at;
     const auto work = [&](const Send& send) {
+      if (chosen.threads > 1) SingleThreaded::lift();
       std::unique_ptr<Block> block;
       try {
         block = open();
@@ -78,12 +80,16 @@ Broken try_peers(const Task& task, const BlockSpec& spec, const std::function<st
       if (line == "refused") refused = true;
       if (line == "opened") opened = true;
       if (line == "done") done = true;
-      if (line.starts_with("cell ")) cell = line.substr(5);
+      if (line.starts_with("cell ")) {
+        cell = line.substr(5);
+        if (tell) tell(cell.substr(0, cell.find(' ')) + " by " + task.methods()[at.first].name);
+      }
       if (!line.starts_with("at ")) return;
       cell.clear();
       const std::size_t space = line.find(' ', 3);
       at = {std::stoul(line.substr(3, space - 3)), std::stoul(line.substr(space + 1))};
       number += started, started = true;
+      if (tell) tell("a build of " + task.methods()[at.first].name);
     });
     if (refused || done || ending.status == Status::ok) return out;
     if (!opened)

@@ -33,8 +33,9 @@ bool has_set(const std::vector<std::string>& sets, const std::string& set);
 /// Tries every chosen build of a peer: each of its query sets once with each of its query knobs, for a later
 /// knob may take another path through the library. `open` is called in the children; what it throws ends the
 /// trial, for the caller's own open() to say so.
+/// tell: called with the method and query set that are being tried, for whoever waits.
 /// This process must have no threads yet. Throws std::runtime_error if open() itself crashes or hangs.
 Broken try_peers(const Task&, const BlockSpec&, const std::function<std::unique_ptr<Block>()>& open,
-                 const Chosen&, const Limits&);
+                 const Chosen&, const Limits&, const std::function<void(const std::string&)>& tell = {});
 
 }  // namespace treeline::bench

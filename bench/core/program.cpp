@@ -5,16 +5,20 @@
 #include <filesystem>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <thread>
 
 #include "bench/core/advice.hpp"
 #include "bench/core/harness.hpp"
+#include "bench/core/isolation.hpp"
 #include "bench/core/measure.hpp"
 #include "bench/core/probe.hpp"
+#include "bench/core/rounding.hpp"
 #include "bench/core/selection.hpp"
 #include "bench/core/stress.hpp"
 #include "bench/core/table.hpp"
 #include "datasets_gen/hard/hard_case.hpp"
+#include "datasets_gen/hard/hard_insides.hpp"
 #include "datasets_gen/hard/hard_rows.hpp"
 
 namespace treeline::bench {
@@ -29,6 +33,7 @@ constexpr int exit_expected = 0, exit_failed = 1, exit_unusable = 2;
 struct Outcome {
   std::size_t cells = 0, failures = 0;
   std::vector<std::string> first_failures;
+  std::vector<std::string> not_opened;  // hard cases of which there are no rows, and why
   void add(const std::vector<Row>& rows, bool must_answer) {
     cells += rows.size();
     for (const Row& row : rows)
@@ -56,7 +61,7 @@ class Program {
   void show_each_thread_count(const std::vector<Row>&, const std::vector<int>& thread_counts,
                               Progress&) const;
   std::unique_ptr<Block> open(BlockSpec&);
-  Broken trial(const BlockSpec&, const std::vector<std::string>& sets = {});
+  Broken trial(const BlockSpec&, Progress&, const std::vector<std::string>& sets = {});
   std::vector<BlockSpec> blocks();
   int finish() const;
 
@@ -107,7 +112,7 @@ std::unique_ptr<Block> Program::open(BlockSpec& spec) {
 }
 
 /// Recipes are known to crash nobody, but what a user's file does to a peer shows only there.
-Broken Program::trial(const BlockSpec& spec, const std::vector<std::string>& sets) {
+Broken Program::trial(const BlockSpec& spec, Progress& progress, const std::vector<std::string>& sets) {
   const bool needed = input_.has_value();
   if (!needed) return {};
   Limits limits = trial_limits;
@@ -115,7 +120,8 @@ Broken Program::trial(const BlockSpec& spec, const std::vector<std::string>& set
   try {
     return try_peers(
         task_, spec, [&] { return task_.open(*input_, options_.context); },
-        {filter_, file_, sets, options_.context.threads}, limits);
+        {filter_, file_, sets, options_.context.threads}, limits,
+        [&](const std::string& at) { progress.step(0, "trying " + at); });
   } catch (const std::exception& e) {
     throw UsageError(fmt::format("{}: {}", spec.label(), e.what()));
   }
@@ -147,13 +153,16 @@ std::vector<int> thread_counts() {
 /// With --scaling at several thread counts.
 void Program::run_blocks() {
   Timer timer(options_.context.profile, options_.benchmark);
+  std::optional<SingleThreaded> alone(std::in_place);  // until peers have been tried in children
   auto specs = blocks();
   Harness harness(task_, options_, filter_, file_, timer);
   Progress progress(weights_of(specs));
   const std::vector<int> counts = options_.scaling ? thread_counts() : std::vector<int>{};
   for (std::size_t k = 0; k < specs.size(); ++k) {
     progress.block(k, specs[k].label());
-    const Broken broken = trial(specs[k]);
+    const Broken broken = trial(specs[k], progress);
+    alone.reset();
+    progress.step(0, "making the queries");
     const auto block = open(specs[k]);
     const auto rows = harness.run(facts_of(task_, specs[k], *block), *block, progress, {}, broken, counts);
     // A recipe is input that can be answered; a user's file may rightly be refused.
@@ -175,15 +184,23 @@ void Program::show_each_thread_count(const std::vector<Row>& rows, const std::ve
 }
 
 void Program::run_stress() {
+  const SingleThreaded alone;
   std::map<std::string, datasets::Expect> expect;
   for (const datasets::HardCase& hard : datasets::hard_cases()) expect[hard.name] = hard.expect;
   for (const datasets::HardRows& hard : datasets::hard_rows()) expect[hard.name] = hard.expect;
+  for (const datasets::HardInside& hard : datasets::hard_insides()) expect[hard.name] = hard.expect;
   const auto specs = blocks();
   Stress stress(task_, options_, filter_, file_);
   Progress progress(std::vector<double>(specs.size(), 1));
   for (std::size_t k = 0; k < specs.size(); ++k) {
     progress.block(k, specs[k].label());
-    const auto rows = stress.run(specs[k], progress);
+    std::vector<Row> rows;
+    try {
+      rows = stress.run(specs[k], progress);
+    } catch (const NotOpened& e) {  // the other cases still tell something
+      outcome_.not_opened.push_back(e.what());
+      continue;
+    }
     const auto found = expect.find(specs[k].dataset);
     outcome_.add(rows, found == expect.end() || found->second == datasets::Expect::answers);
     show(rows, progress);
@@ -199,27 +216,9 @@ std::string shell_word(const std::string& argument) {
   return out + "'";
 }
 
-/// What it costs that a file's coordinates were made floats, in its own unit.
-std::string format_rounding(const datasets::Dataset& input, const Block& block) {
-  if (!(input.rounding > 0)) return "";
-  if (block.in_double())
-    return fmt::format(
-        "  input  read as doubles, and errors are against these; float moves coordinates by up to {:.2g} "
-        "(the "
-        "file's unit)\n",
-        input.rounding);
-  return fmt::format(
-      "  input  coordinates were rounded to float, which moved them by up to {:.2g} (the file's unit); "
-      "errors "
-      "above are\n         against the rounded ones{}\n",
-      input.rounding,
-      input.kind == datasets::Kind::cloud
-          ? "; Bvh<Points<double, 3>, Wide> and KdTree<Points<double, 3>> take doubles"
-          : "");
-}
-
 int Program::run_advice() {
   Timer timer(options_.context.profile, options_.benchmark);
+  std::optional<SingleThreaded> alone(std::in_place);  // until peers have been tried in children
   auto specs = blocks();
   Harness harness(task_, options_, filter_, file_, timer);
   Progress progress(weights_of(specs));
@@ -227,7 +226,9 @@ int Program::run_advice() {
   bool all_met = true;
   for (std::size_t k = 0; k < specs.size(); ++k) {
     progress.block(k, specs[k].label());
-    const Broken broken = trial(specs[k], sets);
+    const Broken broken = trial(specs[k], progress, sets);
+    alone.reset();
+    progress.step(0, "making the queries");
     const auto block = open(specs[k]);
     const auto rows = harness.run(facts_of(task_, specs[k], *block), *block, progress, sets, broken);
     outcome_.add(rows, false);
@@ -241,7 +242,7 @@ int Program::run_advice() {
                     shell_word(options_.program), input, options_.context.seed, options_.context.threads);
     fmt::print(options_.quiet() ? stderr : stdout, "{}",
                format_advice(advice, *options_.advise, again) +
-                   (input_ ? format_rounding(*input_, *block) : "") + format_busy(rows));
+                   (input_ ? format_rounding(*input_, block->in_double()) : "") + format_busy(rows));
   }
   const int ended = finish();
   return all_met ? ended : exit_failed;
@@ -274,11 +275,12 @@ void Program::list_cells() {
 }
 
 int Program::finish() const {
-  if (outcome_.cells == 0)
+  for (const std::string& why : outcome_.not_opened) fmt::print(stderr, "{}\n", why);
+  if (outcome_.cells == 0 && outcome_.not_opened.empty())
     throw NothingMatched(
         fmt::format("--benchmark_filter={} matches no cell; --benchmark_list_tests prints them",
                     options_.benchmark.filter));
-  if (outcome_.failures == 0) return exit_expected;
+  if (outcome_.failures == 0) return outcome_.not_opened.empty() ? exit_expected : exit_failed;
   fmt::print(stderr, "{} of {} cells are failures of ours\n", outcome_.failures, outcome_.cells);
   for (const std::string& failure : outcome_.first_failures) fmt::print(stderr, "  {}\n", failure);
   if (outcome_.failures > Outcome::most_named) fmt::print(stderr, "  …\n");

@@ -1,4 +1,5 @@
-// How far a run has come, on stderr: one line that is rewritten on a terminal, one line a block elsewhere.
+// How far a run has come, on stderr: one line that is rewritten on a terminal; elsewhere, as in a log, a line
+// a block, and one more now and then while a block takes long.
 #pragma once
 
 #include <chrono>
@@ -9,15 +10,16 @@ namespace treeline::bench {
 
 class Progress {
  public:
-  /// One weight a block: its share of the work, in any unit.
-  explicit Progress(std::vector<double> weights);
+  /// One weight a block: its share of the work, in any unit. line_every: seconds between the lines of a long
+  /// block where there is no terminal.
+  explicit Progress(std::vector<double> weights, double line_every = 20);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
   /// Block k = 0, 1, … starts.
   void block(std::size_t k, const std::string& label);
-  /// The block is done to this share, at what is named.
+  /// The block is done to this share, at what is named. Cheap where nothing is due to be shown.
   void step(double share, const std::string& what);
   /// Takes the line away before something else is printed.
   void clear();
@@ -30,7 +32,9 @@ class Progress {
   std::size_t k_ = 0;
   std::string label_;
   bool terminal_, shown_ = false;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  double every_;  // seconds between two prints of steps
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now(), printed_ = start_;
 };
 
 /// 75 → "1:15".

@@ -70,6 +70,7 @@ Json fields(const Row& r) {
            {"build_knobs", r.build_knobs},
            {"query_knobs", r.query_knobs},
            {"query_set", text(r.query_set)},
+           {"advised", r.advised},
            {"queries", r.queries},
            {"threads", r.threads},
            {"status", to_string(r.status)},
@@ -127,7 +128,9 @@ Row Row::from_json(const Json& row) {
   r.peer_version = text_from(row, "peer_version");
   r.claim = word_from<Claim>(text_from(row, "claim"), claims, "claim");
   r.build_knobs = row.at("build_knobs"), r.query_knobs = row.at("query_knobs");
-  r.query_set = text_from(row, "query_set"), r.queries = row.at("queries"), r.threads = row.at("threads");
+  r.query_set = text_from(row, "query_set");
+  r.advised = row.value("advised", false);  // older rows do not say
+  r.queries = row.at("queries"), r.threads = row.at("threads");
   r.status = status_from(text_from(row, "status")), r.reason = text_from(row, "reason");
   r.build_s = number_from(row, "build_s");
   r.query_ns = number_from(row, "query_ns");

@@ -44,6 +44,8 @@ struct Row {
   Claim claim = Claim::exact;
   Knobs build_knobs = Knobs::object(), query_knobs = Knobs::object();
   std::string query_set;
+  bool advised =
+      false;  // one of the sets on which --advise measures (Task::advise_on), and the report with it
   std::size_t queries = 0;
   int threads = 1;
   Status status = Status::ok;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <map>
-#include <stdexcept>
 
 #include "bench/core/measure.hpp"
 
@@ -57,7 +56,7 @@ Stress::Case Stress::open(const BlockSpec& spec) {
     threads = told["threads"];
   });
   if (ending.status != Status::ok)
-    throw std::runtime_error(
+    throw NotOpened(
         fmt::format("{} cannot be opened: {} ({})", spec.label(), to_string(ending.status), ending.reason));
   if (!threads) out.block = task_.open(spec, options_.context);
   return out;
@@ -95,6 +94,7 @@ void Stress::run_build(Case& hard, std::vector<Cell> cells) {
   while (next < cells.size()) {
     bool built = false;
     const auto work = [&](const Send& send) {
+      if (options_.context.threads > 1) SingleThreaded::lift();
       std::unique_ptr<Block> own;
       if (!hard.block) own = task_.open(hard.facts.spec, options_.context);
       send("opened");  // the limit of time starts anew

@@ -2,19 +2,27 @@
 // crashes costs its rows and no others. One run a cell; these rows are about answers, not about speed.
 #pragma once
 
+#include <stdexcept>
+
 #include "bench/core/cells.hpp"
+#include "bench/core/isolation.hpp"
 #include "bench/core/options.hpp"
 #include "bench/core/progress.hpp"
 #include "bench/core/row_file.hpp"
 
 namespace treeline::bench {
 
+/// A hard case that could not be opened, so that no method was tried on it. Says which and why.
+struct NotOpened : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 class Stress {
  public:
   Stress(const Task&, const Options&, const Filter&, RowFile&);
 
   /// Rows of all chosen cells, those of an earlier run included: each method with its first build knobs and
-  /// its first three query knobs. Throws std::runtime_error if the case itself cannot be opened.
+  /// its first three query knobs. Throws NotOpened.
   std::vector<Row> run(const BlockSpec&, Progress&);
 
  private:

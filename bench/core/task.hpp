@@ -70,6 +70,9 @@ class Block {
  public:
   virtual ~Block() = default;
   virtual const std::vector<QuerySet>& query_sets() const = 0;
+  /// Makes what the method's library sets up once a process (devices, thread pools, caches): neither timed
+  /// nor counted, so that the first build costs what every other one does. Called before build().
+  virtual void warm_up(std::size_t m, int threads) { (void)m, (void)threads; }
   /// Builds method number m (an index into Task::methods()); timed and its allocations counted by the
   /// harness. Throws to refuse the input.
   virtual std::unique_ptr<Subject> build(std::size_t m, const Knobs& build_knobs, int threads) = 0;
@@ -124,7 +127,8 @@ class Task {
   virtual std::unique_ptr<Block> open(const BlockSpec&, const RunContext&) const = 0;
   /// A block over the user's own file.
   virtual std::unique_ptr<Block> open(datasets::Dataset, const RunContext&) const = 0;
-  /// Query sets on which --advise measures (names); every rung must meet the tolerance on each.
+  /// Query sets on which --advise measures (names); every rung must meet the tolerance on each. Rows of these
+  /// say so (Row::advised), and the report's advice asks about the same.
   virtual std::vector<std::string> advise_on() const = 0;
   /// Writes pictures of one block (slices through trees, renderings with wrong pixels marked) and an
   /// index of them, pictures.jsonl, into a folder: one object a line with file, title, dataset, method, kind.

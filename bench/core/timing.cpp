@@ -44,6 +44,10 @@ bool counts_ahead(Profile profile, const BenchmarkFlags& flags) {
                       [](const std::string& flag) { return flag.starts_with("--benchmark_min_time"); });
 }
 
+/// Of a cell, about: how many tries Google Benchmark needs to find the number of iterations is its own
+/// matter, and so are the user's flags.
+std::size_t expected_runs(bool once, bool ahead) { return once ? 1 : ahead ? 3 : 12; }
+
 }  // namespace
 
 Timer::Timer(Profile profile, const BenchmarkFlags& flags)
@@ -52,10 +56,14 @@ Timer::Timer(Profile profile, const BenchmarkFlags& flags)
   display_ = std::make_unique<Display>(flags);
 }
 
-void Timer::measure(std::span<TimedCell> cells) {
+void Timer::measure(std::span<TimedCell> cells,
+                    const std::function<void(double share, const TimedCell&)>& on_run) {
   if (cells.empty()) return;
+  std::size_t runs = 0;
+  const auto expected = static_cast<double>(cells.size() * expected_runs(once_, ahead_));
   for (TimedCell& cell : cells) {
-    auto* registered = benchmark::RegisterBenchmark(cell.name.c_str(), [&cell](benchmark::State& state) {
+    auto* registered = benchmark::RegisterBenchmark(cell.name.c_str(), [&](benchmark::State& state) {
+      if (on_run) on_run(std::min(1.0, static_cast<double>(runs++) / expected), cell);
       try {
         for (auto _ : state) cell.run();
       } catch (const std::exception& e) {

@@ -27,7 +27,8 @@ class Timer {
  public:
   /// One a program. Throws UsageError for flags that Google Benchmark does not know.
   Timer(Profile, const BenchmarkFlags&);
-  void measure(std::span<TimedCell>);
+  /// on_run: told before each run of a cell, not in the time that is taken, with the share of the work done.
+  void measure(std::span<TimedCell>, const std::function<void(double share, const TimedCell&)>& on_run = {});
 
  private:
   bool once_, ahead_;

@@ -247,7 +247,8 @@ std::unique_ptr<Block> open_block(const std::vector<Method>& methods, datasets::
   o.pool = std::move(dataset.cloud.points);
   const std::size_t pool = o.pool.size(), n = pool - pool / 2;
   if (n < 4 * judged_moments * neighbours)
-    throw std::invalid_argument("has " + std::to_string(pool) + " points, too few to come and go in batches");
+    throw std::invalid_argument("has " + std::to_string(pool) + (pool == 1 ? " point" : " points") +
+                                ", too few to come and go in batches");
   for (std::size_t i = 0; i < pool; ++i)
     if (!geometry::is_finite(o.pool[i]))
       throw std::invalid_argument("point " + std::to_string(i) + " has a coordinate that is not finite");

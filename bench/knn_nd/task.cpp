@@ -48,8 +48,9 @@ Vectors hold_out(Vectors& v, std::size_t count, std::uint64_t seed) {
     if (is_finite(v.row(i))) finite.push_back(static_cast<std::uint32_t>(i));
   count = std::min(count, finite.size() / 10);
   if (count == 0)
-    throw std::invalid_argument(std::to_string(finite.size()) +
-                                " finite rows are too few: a tenth of them is held out as queries");
+    throw std::invalid_argument(
+        (finite.size() == 1 ? "1 finite row is" : std::to_string(finite.size()) + " finite rows are") +
+        std::string(" too few: a tenth of them is held out as queries"));
   std::vector<bool> taken(v.size());
   Vectors queries, rest;
   queries.columns = rest.columns = v.columns;

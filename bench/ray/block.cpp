@@ -95,10 +95,13 @@ RayBlock::RayBlock(BlockInput input, const std::vector<Method>& methods)
   }
 }
 
+void RayBlock::warm_up(std::size_t m, int threads) {
+  // On several threads everybody's: a library that is not asked may keep the others from having them.
+  for (const Method& method : methods_)
+    if (method.warm_up && (threads > 1 || &method == &methods_[m])) method.warm_up(threads);
+}
+
 std::unique_ptr<Subject> RayBlock::build(std::size_t m, const Knobs& build_knobs, int threads) {
-  if (threads > 1)
-    for (const Method& method : methods_)
-      if (method.allow_threads) method.allow_threads(threads);
   return std::make_unique<RaySubject>(methods_[m], build_knobs, threads, frames_, input_.sets);
 }
 

@@ -33,6 +33,7 @@ class RayBlock final : public Block {
   RayBlock(BlockInput input, const std::vector<Method>& methods);
 
   const std::vector<QuerySet>& query_sets() const override { return query_sets_; }
+  void warm_up(std::size_t m, int threads) override;
   std::unique_ptr<Subject> build(std::size_t m, const Knobs& build_knobs, int threads) override;
   Errors check(std::size_t m, const Subject& subject, std::size_t query_set,
                const Knobs& query_knobs) override;

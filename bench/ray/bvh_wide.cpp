@@ -52,6 +52,8 @@ std::vector<Knobs> builds() {
                                                .claim = Claim::bounded,
                                                .build_knobs = builds(),
                                                .query_knobs = wide_batches(),
+                                               // Every builder, and every width.
+                                               .stress_builds = {0, 1, 2, 4, 5, 6, 9},
                                                .ladder = 11,
                                                .quick_builds = 3},
                                       .build = build});

@@ -20,6 +20,7 @@ std::unique_ptr<Index> build(const geometry::Mesh3f& mesh, const Knobs& knobs, i
               .build_knobs = {Knobs{{"builder", "binned"}, {"bits", 16}},
                               Knobs{{"builder", "binned"}, {"bits", 8}}},
               .query_knobs = {Knobs{{"batch", "streams"}}, Knobs{{"batch", "singly"}}},
+              .stress_builds = {0, 1},
               .ladder = 10,
               .quick_builds = 1},
      .build = build});

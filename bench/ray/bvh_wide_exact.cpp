@@ -4,14 +4,15 @@
 namespace treeline::bench::ray {
 namespace {
 
-[[maybe_unused]] const bool registered =
-    Registry<Method>::instance().add({.info = {.name = "bvh_wide_exact",
-                                               .family = "bvh",
-                                               .claim = Claim::exact,
-                                               .build_knobs = {Knobs{{"builder", "binned"}}},
-                                               .query_knobs = wide_batches(),
-                                               .ladder = 12},
-                                      .build = build_wide<geometry::Exact, accel::Wide>});
+[[maybe_unused]] const bool registered = Registry<Method>::instance().add(
+    {.info = {.name = "bvh_wide_exact",
+              .family = "bvh",
+              .claim = Claim::exact,
+              .build_knobs = {Knobs{{"builder", "binned"}}, Knobs{{"builder", "spatial"}}},
+              .query_knobs = wide_batches(),
+              .stress_builds = {0, 1},
+              .ladder = 12},
+     .build = build_wide<geometry::Exact, accel::Wide>});
 
 }  // namespace
 }  // namespace treeline::bench::ray

@@ -45,14 +45,18 @@ inline std::string embree_config(int threads) {
   return config;
 }
 
-/// Keeps a device alive for each number of threads, so that Embree's thread pool is not counted and timed
-/// anew with every scene that comes after none. Embree limits TBB, and so everyone in the process, to the
-/// largest number that a living device asked for: a run on more threads has to tell it before anything is
-/// built.
-inline void keep_embree_threads(int threads) {
+/// Keeps a device alive for each number of threads: the first of a process maps 128 MiB for tessellated
+/// surfaces, which triangles never touch, and the first scene makes TBB's pools (4 MiB); neither belongs to a
+/// scene. Embree limits TBB, and so everyone in the process, to the largest number that a living device asked
+/// for: a run on more threads has to tell it before anything is built.
+inline void warm_up_embree(int threads) {
   static std::map<int, RTCDevice> kept;
   RTCDevice& device = kept[threads];
-  if (!device) device = rtcNewDevice(embree_config(threads).c_str());
+  if (device) return;
+  device = rtcNewDevice(embree_config(threads).c_str());
+  const RTCScene empty = rtcNewScene(device);
+  rtcCommitScene(empty);
+  rtcReleaseScene(empty);
 }
 
 inline void to_embree(const geometry::Rayf& r, RTCRay& ray) {
@@ -65,7 +69,7 @@ class EmbreeScene {
  public:
   /// Knobs: quality (low, medium, high, refit), robust and compact (true, false).
   EmbreeScene(const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) {
-    keep_embree_threads(threads);
+    warm_up_embree(threads);
     device_ = rtcNewDevice(embree_config(threads).c_str());
     if (!device_) throw std::runtime_error("Embree gave no device");
     scene_ = rtcNewScene(device_);
@@ -102,9 +106,9 @@ class EmbreeScene {
   EmbreeScene(const EmbreeScene&) = delete;
   EmbreeScene& operator=(const EmbreeScene&) = delete;
 
-  /// False where the scene was not built to be refitted.
+  /// Throws Unsupported where the scene was not built to be refitted.
   bool refit(const geometry::Mesh3f& mesh) {
-    if (!refits_) return false;
+    if (!refits_) throw Unsupported("not measured: Embree's refit is, in embree_single with quality=refit");
     const RTCGeometry triangles = rtcGetGeometry(scene_, geometry_id_);
     if (void* vertices = rtcGetGeometryBufferData(triangles, RTC_BUFFER_TYPE_VERTEX, 0);
         vertices && !mesh.vertices.empty())
@@ -207,7 +211,8 @@ bool register_embree_batch(std::string name, int ladder, bool scales) {
                 .scales = scales},
        .build = [](const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) -> std::unique_ptr<Index> {
          return std::make_unique<BatchIndex>(mesh, knobs, threads);
-       }});
+       },
+       .warm_up = warm_up_embree});
 }
 
 }  // namespace treeline::bench::ray

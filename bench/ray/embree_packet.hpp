@@ -69,6 +69,8 @@ class EmbreePacket final : public Index {
     });
   }
 
+  bool refit(const geometry::Mesh3f& mesh) override { return scene_.refit(mesh); }
+
  private:
   /// Lanes past the last ray repeat it, switched off.
   static void fill(typename Types::Ray& packet, int* valid, std::span<const geometry::Rayf> rays) {

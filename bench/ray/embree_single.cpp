@@ -58,13 +58,13 @@ const bool registered = Registry<Method>::instance().add(
               .claim = Claim::approximate,
               .peer_version = embree_version(),
               .build_knobs = embree_builds(),
-              .stress_builds = {0, 2},  // medium, fast and robust
+              .stress_builds = {0, 2, 1, 4},  // medium, fast and robust; high; low
               .ladder = 40,
               .quick_builds = 4},
      .build = [](const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) -> std::unique_ptr<Index> {
        return std::make_unique<EmbreeSingle>(mesh, knobs, threads);
      },
-     .allow_threads = keep_embree_threads});
+     .warm_up = warm_up_embree});
 
 }  // namespace
 }  // namespace treeline::bench::ray

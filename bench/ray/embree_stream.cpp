@@ -56,6 +56,8 @@ class EmbreeStream final : public Index {
     });
   }
 
+  bool refit(const geometry::Mesh3f& mesh) override { return scene_.refit(mesh); }
+
  private:
   EmbreeScene scene_;
 };

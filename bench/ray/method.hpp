@@ -35,7 +35,8 @@ class Index {
   virtual std::vector<accel::Work> work_of_each(std::span<const geometry::Rayf>) const { return {}; }
   /// The same faces with moved vertices: updates what bounds them and keeps the structure, at a cost in
   /// proportion to its size. The mesh has as many vertices and the same faces as the one built over.
-  /// False, with nothing done, where the method has no such thing.
+  /// False, with nothing done, where the method has no such thing. Throws Unsupported where it has, but not
+  /// in what is measured here.
   virtual bool refit(const geometry::Mesh3f&) { return false; }
   /// What the structure tells of itself, as fields of the row: ray_references, ray_depth, …
   virtual Knobs facts() const { return Knobs::object(); }
@@ -46,8 +47,9 @@ class Index {
 struct Method {
   MethodInfo info;
   std::function<std::unique_ptr<Index>(const geometry::Mesh3f&, const Knobs& build_knobs, int threads)> build;
-  /// Lifts a limit on the process's threads that the method's library sets; called before anything is built.
-  std::function<void(int threads)> allow_threads = {};
+  /// Makes what the method's library sets up once a process and lifts the limit that it sets to the threads
+  /// of everybody in it; called before anything is built.
+  std::function<void(int threads)> warm_up = {};
 };
 
 }  // namespace treeline::bench::ray

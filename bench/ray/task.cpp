@@ -57,7 +57,7 @@ std::size_t judged_rays(std::size_t n, Profile profile) {
 
 datasets::HardCase hard_case(const std::string& name) {
   for (auto& c : datasets::hard_cases())
-    if (c.name == name && !c.for_points()) return c;
+    if (c.name == name && c.for_rays()) return c;
   throw std::invalid_argument("no hard case for rays is called '" + name + "'");
 }
 
@@ -107,8 +107,7 @@ std::vector<BlockSpec> RayTask::blocks(Profile profile) const {
       return std::ranges::find(names, recipe.name) != names.end();
     };
     for (const std::size_t n : {1'000, 10'000, 100'000, 1'000'000, 10'000'000}) {
-      const bool quick = n == 100'000 || (n == 1'000 && is({"icosphere"})) ||
-                         (n == 10'000 && is({"icosphere", "architecture"})) ||
+      const bool quick = n == 100'000 || (n == 10'000 && is({"icosphere", "architecture"})) ||
                          (n == 1'000'000 && is({"icosphere", "architecture", "forest"}));
       if (profile == Profile::full || quick) blocks.push_back({recipe.name, n});
     }
@@ -119,7 +118,7 @@ std::vector<BlockSpec> RayTask::blocks(Profile profile) const {
 std::vector<BlockSpec> RayTask::hard_blocks() const {
   std::vector<BlockSpec> blocks;
   for (const auto& c : datasets::hard_cases())
-    if (!c.for_points()) blocks.push_back({c.name, 0, true});
+    if (c.for_rays()) blocks.push_back({c.name, 0, true});
   return blocks;
 }
 

@@ -1,9 +1,9 @@
 """The advice: the cheapest configuration that meets a tolerance on every stated metric, and what the rung below breaks.
 
-The same rules as bench/core/advice.hpp and page/advice.js: a cost is the sum over the query sets, and an error is held
-against the tolerance or the truth's own floor, whichever is larger. At a tolerance not above the floor, methods whose
-claim promises nothing about other queries, or only a bound by epsilon, are not advised. A test holds this file and the
-page to one answer.
+The same rules as bench/core/advice.hpp and page/advice.js, on the query sets that Task::advise_on names: a cost is the sum
+over the query sets, and an error is held against the tolerance or the truth's own floor, whichever is larger. At a
+tolerance not above the floor, methods whose claim promises nothing about other queries, or only a bound by epsilon, are
+not advised. A test holds this file and the page to one answer.
 """
 
 from dataclasses import dataclass
@@ -39,9 +39,12 @@ class Rung:
         return None
 
 
-def shared_sets(rows):
-    """The query sets that every method answers: a set that some library lacks must not drop it from the ladder."""
+def asked_sets(rows):
+    """The query sets on which --advise measures, as the rows say (Task::advise_on); of older rows, which do not say,
+    those that every method answers: a set that some library lacks must not drop it from the ladder."""
     timed = [r for r in rows if r.query_ns is not None]
+    if told := list(dict.fromkeys(r.query_set for r in timed if r.values.get("advised"))):
+        return told
     answered = {(r.method, r.query_set) for r in timed}
     sets = list(dict.fromkeys(r.query_set for r in timed))
     return [s for s in sets if all((r.method, s) in answered for r in timed)] or sets

@@ -14,18 +14,41 @@ DURATION = (
     "datum.value >= 1e3 ? format(datum.value / 1e3, '~g') + ' µs' : format(datum.value, '~g') + ' ns'"
 )
 
-# Logarithmic ticks come at every digit and between. Labels stand at evenly spaced ones: at powers of ten; where an axis
-# spans less than two of them, at 1, 2 and 5 of each; where it spans next to nothing, at all.
+# Logarithmic ticks come at every digit and between. Labels stand at round ones, as many as the pixels of a decade have room
+# for: at every third power of ten, every second, at all of them, at 1, 2 and 5, and so on; where an axis spans so little
+# that none may be round, at few ticks that are all labelled. (Vega's ways to drop labels that overlap or reach over the
+# edge count empty ones, too, and drop every other.)
+DIGITS = ((110, "['1.00']"), (300, "['1.00', '2.00', '5.00']"), (480, "['1.00', '2.00', '3.00', '5.00', '7.00']"),
+          (None, "['1.00', '1.50', '2.00', '3.00', '4.00', '5.00', '7.00']"))  # fmt: skip
+NARROW = 1000  # pixels of a decade
+
+
+def _decade(axis):
+    """How many pixels a decade has, as an expression; a label is a third as high as wide."""
+    length = "width" if axis == "x" else "(3 * height)"
+    return f"({length} * LN10 / log(domain('{axis}')[1] / domain('{axis}')[0]))"
+
+
 def _round(axis):
-    span = f"(log(domain('{axis}')[1] / domain('{axis}')[0]) / LN10)"
-    digits = f"{span} > 1.8 ? ['1.0'] : ['1.0', '2.0', '5.0']"
-    return f"{span} > 0.4 && indexof({digits}, slice(format(datum.value, '.1e'), 0, 3)) < 0 ? '' : "
+    decade = _decade(axis)
+    digits = "".join(f"{decade} < {most} ? {which} : " if most else which for most, which in DIGITS)
+    every = f"({decade} < 24 ? 3 : {decade} < 46 ? 2 : 1)"
+    off = f"({decade} < 46 && round(log(datum.value) / LN10) % {every} != 0)"
+    odd = f"{decade} < {NARROW} && ({off} || indexof({digits}, slice(format(datum.value, '.2e'), 0, 4)) < 0)"
+    cut = " || scale('x', datum.value) > width - 10" if axis == "x" else ""  # it would reach over the edge
+    return f"({odd}{cut}) ? '' : "
+
+
+def _log_axis(axis, labels, title):
+    few = f"ceil({'width / 60' if axis == 'x' else 'height / 20'})"
+    return alt.Axis(labelExpr=_round(axis) + labels, title=title, gridOpacity=0.5, labelBound=False, labelOverlap=False,
+                    tickCount=alt.expr(f"{_decade(axis)} < {NARROW} ? 30 : {few}"))  # fmt: skip
 
 
 DIM = 0.5
 UNPROMISED = "approximate; exact on this sample"
 LEAST = 0.1  # bytes per element, and ns of building: zero has no place on a logarithmic axis
-INK, FAINT = "currentColor", "#8884"
+INK, FAINT, PAPER = "currentColor", "#8884", "var(--card)"
 
 
 def _scales(looks):
@@ -64,6 +87,13 @@ def _points(base, looks, legend, size=44, shown="1"):
     )  # fmt: skip
 
 
+def _named(base, shown="1", **look):
+    """Text on a ground of its own, so that marks and lines behind it do not cross it: two layers."""
+    text = dict(align="left", fontSize=10) | look
+    return (base.mark_text(**text, stroke=PAPER, strokeWidth=3, strokeJoin="round", fill=PAPER, opacity=_pick("0.8")),
+            base.mark_text(**text, fill=INK, opacity=_pick(shown)))  # fmt: skip
+
+
 def _pick_param():
     return alt.param(name="pick", value="")
 
@@ -77,8 +107,7 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
                     domain=False, gridOpacity=0.5)  # fmt: skip
     y = alt.Y("y:Q", scale=scale, axis=axis)
     x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, padding=48),
-              axis=alt.Axis(labelExpr=_round("x") + DURATION, title=f"time per {element}, log", tickCount=30,
-                            gridOpacity=0.5, labelBound=True, labelOverlap="parity", labelSeparation=8))  # fmt: skip
+              axis=_log_axis("x", DURATION, f"time per {element}, log"))  # fmt: skip
     zones = [{"zone": name, "from": top, "to": end} for name, top, end in layout.zones()]
     base = alt.Chart(data)
     timed = base.transform_filter("isValid(datum.x)")
@@ -105,12 +134,10 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
     told = DURATION.replace("datum.value", "datum.x").replace("'~g'", "'.3~g'")
     front = timed.transform_filter("datum.front").transform_calculate(time=told)
     lane = front.transform_filter(f"datum.y >= {layout.exact_start}")
-    layers.append(lane.transform_filter("datum.promise")
-                  .mark_text(align="left", dx=9, dy=-7, fontSize=10, fontWeight="bold", fill=INK, opacity=_pick("1"))
-                  .encode(x=x, y=y, text="time:N"))  # fmt: skip
+    layers += [layer.encode(x=x, y=y, text="time:N")
+               for layer in _named(lane.transform_filter("datum.promise"), dx=9, dy=-7, fontWeight="bold")]  # fmt: skip
     by_luck = lane.transform_filter("!datum.promise").transform_calculate(note=f"datum.time + ', {UNPROMISED}'")
-    layers.append(by_luck.mark_text(align="left", dx=9, dy=-7, fontSize=10, fontStyle="italic", fill=INK,
-                                    opacity=_pick("0.85")).encode(x=x, y=y, text="note:N"))  # fmt: skip
+    layers += [layer.encode(x=x, y=y, text="note:N") for layer in _named(by_luck, "0.85", dx=9, dy=-7, fontStyle="italic")]
     empty = base.transform_filter("isValid(datum.note)")
     layers.append(empty.mark_text(align="left", x=6, fontSize=9, fontStyle="italic", fill=INK, opacity=0.55)
                   .encode(y=y, text="note:N"))  # fmt: skip
@@ -122,8 +149,7 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
         inexact = inexact.transform_filter(
             "!isValid(datum.next_x) || datum.next_x > 6 * datum.x || abs(datum.next_y - datum.y) > 16")
         inexact = inexact.transform_calculate(name="datum.method + ', ' + datum.time")
-        layers.append(inexact.mark_text(align="left", dx=8, dy=-8, fontSize=10, fill=INK, opacity=_pick("0.85"))
-                      .encode(x=x, y=y, text="name:N"))  # fmt: skip
+        layers += [layer.encode(x=x, y=y, text="name:N") for layer in _named(inexact, "0.85", dx=8, dy=-8)]
         notes = alt.Data(values=[{"y": (top + bottom) / 2, "text": error}])
         layers.append(alt.Chart(notes).mark_text(angle=270, fontSize=11, fill=INK, x=-56).encode(y=y, text="text:N"))
     chart = alt.layer(*layers).resolve_scale(color="independent", stroke="shared", shape="shared")
@@ -135,8 +161,7 @@ def lanes_chart(data, field, title, methods, looks, legend=False, width="contain
     """One figure of a build, a lane for each method."""
     scale = alt.Scale(type="log", nice=False, padding=10)
     labels = DURATION if field == "build" else f"datum.value <= {LEAST} ? '≤ {LEAST}' : format(datum.value, '~s')"
-    axis = alt.Axis(title=title, tickCount=30, labelExpr=_round("x") + labels, gridOpacity=0.5, labelBound=True,
-                    labelOverlap="parity", labelSeparation=8)  # fmt: skip
+    axis = _log_axis("x", labels, title)
     base = alt.Chart(data).transform_filter(f"isValid(datum.{field})")
     y = alt.Y("method:N", sort=list(methods), scale=alt.Scale(domain=list(methods)),
               axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=120))  # fmt: skip
@@ -154,10 +179,9 @@ def scaling_chart(data, looks, element, query, legend=False, width="container", 
     """The best right configuration of each method against the size (or what `along` says n is), both logarithmic."""
     color, _ = _scales(looks)
     x = alt.X("n:Q", scale=alt.Scale(type="log", nice=False, padding=14),
-              axis=alt.Axis(title=f"{along or element + 's'}, log", format="~s", tickCount=4, gridOpacity=0.5))  # fmt: skip
+              axis=_log_axis("x", "format(datum.value, '~s')", f"{along or element + 's'}, log"))  # fmt: skip
     y = alt.Y("x:Q", scale=alt.Scale(type="log", nice=False, padding=10),
-              axis=alt.Axis(title=f"time per {query}, log", labelExpr=_round("y") + DURATION, tickCount=30, gridOpacity=0.5,
-                            labelBound=True, labelOverlap="parity", labelSeparation=8))  # fmt: skip
+              axis=_log_axis("y", DURATION, f"time per {query}, log"))  # fmt: skip
     base = alt.Chart(data)
     line = base.mark_line(strokeWidth=1.4, opacity=_pick("0.8")).encode(
         x=x, y=y, stroke=alt.Stroke("method:N", scale=color, legend=_key(legend)))  # fmt: skip
@@ -181,9 +205,8 @@ def speedup_chart(data, reach, methods, looks, legend=False, width="container"):
     one = alt.Chart(alt.Data(values=[{"at": 1}])).mark_rule(color=INK, strokeDash=[3, 3], opacity=0.6).encode(x="at:Q")
     spread = base.transform_filter("isValid(datum.lo)").mark_rule(strokeWidth=1.4, opacity=_pick("0.8")).encode(
         x=alt.X("lo:Q", scale=scale), x2="hi:Q", y=y, stroke=alt.Stroke("method:N", scale=color, legend=_key(legend)))  # fmt: skip
-    named = base.mark_text(align="left", dx=8, fontSize=10, fill=INK, opacity=_pick("0.85")).encode(
-        x=alt.X("end:Q", scale=scale), y=y, text="label:N")  # fmt: skip
-    chart = alt.layer(one, spread, _points(base, looks, legend).encode(x=x, y=y), named)
+    named = [layer.encode(x=alt.X("end:Q", scale=scale), y=y, text="label:N") for layer in _named(base, "0.85", dx=8)]
+    chart = alt.layer(one, spread, _points(base, looks, legend).encode(x=x, y=y), *named)
     return chart.add_params(_pick_param()).properties(width=width, height=alt.Step(15))
 
 

@@ -5,7 +5,7 @@ sizes and answers are in measures.py. A contest's claim names the family it favo
 is about. Two contests decide, for no single one is fair to all:
 
     binary   our binary trees with leaves of one size: what the structures themselves are worth
-    best     the fastest right method of each family, ours or a peer: what a user can get
+    best     the fastest exact method of each family, ours or a peer: what a user can get
 
 A cell is one query set on one dataset; its ratio is the favoured family's time over that of its fastest rival. Cells fall
 into groups by contest and by where the queries lie. Every group supports the claim, at every size: it holds; some do, or
@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from math import exp, log
 from pathlib import Path
 
-from bench.report.frontier import groups, right
+from bench.report.frontier import exact, groups
 from bench.report.units import count, figure
 
 LIST = Path(__file__).with_name("claims.json")
@@ -29,10 +29,13 @@ TEXTBOOK = {"kd": "planes", "bvh": "box", "bsp": "planes"}  # what bounds a cell
 CONTESTS = {"binary": "binary trees with leaves of equal size", "best": "the best of each family"}
 PLACES = {"self": "asked at points of the cloud", "off": "asked off the cloud", "far": "asked from far away",
           "radius": "asked for a radius", "coherent": "rays near each other", "scattered": "rays in no order",
-          "aimed": "rays along axes, in planes and at edges"}  # fmt: skip
+          "aimed": "rays along axes, in planes and at edges", "surface": "closest points of queries near the mesh",
+          "apart": "closest points of queries away from the mesh"}  # fmt: skip
 RAYS = {"camera": "coherent", "camera_any": "coherent", "shadow": "coherent", "axis": "aimed", "grazing": "aimed",
         "edge": "aimed", "camera_shuffled": "scattered", "diffuse": "scattered", "bounce2": "scattered",
         "random": "scattered"}  # fmt: skip
+CLOSEST = {"near": "surface", "near_sorted": "surface", "on_vertex": "surface", "uniform": "apart", "uniform_sorted": "apart",
+           "far": "apart", "centre": "apart"}  # fmt: skip
 NEAR = 1.1  # times repeat within some 10 %: a smaller difference is none
 AGREEING = 0.75  # of a group's cells must not contradict
 SIZES = 3  # that an experiment should span
@@ -132,9 +135,10 @@ def mean(ratios):
 
 def cells_of(claim, rows):
     found = []
-    mine = (r for r in rows if r.task == claim["task"] and not (r.hard or r.scaling) and r.dataset in claim["clouds"])
-    for group in groups(r for r in mine if (r.query_set or "").startswith(tuple(claim["query_sets"]))).values():
-        place = _place(group[0].query_set)
+    sets = {claim["task"]: claim["query_sets"], **claim.get("also", {})}  # by task
+    mine = (r for r in rows if r.task in sets and not (r.hard or r.scaling) and r.dataset in claim["clouds"])
+    for group in groups(r for r in mine if (r.query_set or "").startswith(tuple(sets[r.task]))).values():
+        place = _place(group[0].task, group[0].query_set)
         if place is None:
             continue
         for contest, entrants in _entrants(group):
@@ -147,7 +151,9 @@ def cells_of(claim, rows):
     return found
 
 
-def _place(query_set):
+def _place(task, query_set):
+    if task == "closest_point":
+        return CLOSEST.get(query_set)
     if query_set in RAYS:
         return RAYS[query_set]
     if query_set.startswith("radius"):
@@ -157,8 +163,8 @@ def _place(query_set):
 
 
 def _entrants(group):
-    """(contest, family: its fastest right row), a contest of textbook trees for each leaf size that they share."""
-    able = [r for r in group if right(r)]
+    """(contest, family: its fastest exact row), a contest of textbook trees for each leaf size that they share."""
+    able = [r for r in group if exact(r)]
     by_leaf = defaultdict(dict)
     for row in able:
         knobs = row.build_knobs or {}

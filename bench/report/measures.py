@@ -7,7 +7,6 @@ not: all do and the claim holds, some and it holds only if, none and it does not
 from collections import defaultdict
 
 from bench.report.claims import FAILS, HOLDS, NEAR, ONLY_IF, Verdict, mean
-from bench.report.frontier import right
 
 WORD_BYTES = 4  # an integer, or a float
 TEXTBOOK_NODE = {"kd": ("one integer and one float", 2), "bsp": ("a plane, four floats", 4), "bvh": ("a box, six floats", 6)}

@@ -3,6 +3,7 @@
 from collections import Counter
 
 from bench.report import charts, tasks
+from bench.report.advice import asked_sets
 from bench.report.frontier import charted, promises, shown_error
 from bench.report.layout import NOTE_MOST, Layout, marks
 from bench.report.palette import looks
@@ -13,7 +14,7 @@ TEXT = ("task", "dataset", "set", "method", "build", "query", "status", "reason"
 COLUMNS = TEXT + (
     "size", "n", "run", "threads", "ns", "lo", "hi", "cpu", "reps", "build_s", "bytes", "kept", "error", "error_max",
     "error_p99", "error_mean", "bias", "floor", "nodes", "leaves", "primitives", "recall", "front", "promise", "best",
-    "y", "slot",
+    "y", "slot", "advised",
 )  # fmt: skip
 
 
@@ -36,9 +37,10 @@ class TaskModel:
 
     @property
     def telling_set(self):
-        """The query set to show first: the one in which most rows trade accuracy for speed."""
+        """The query set to show first: of those that advice asks about, the one in which most rows trade accuracy for
+        speed."""
         inexact = Counter(r.query_set for r in self.soft if charted(r) and shown_error(r))
-        return max(self.query_sets, key=lambda s: inexact[s], default=None)
+        return max(asked_sets(self.soft), key=lambda s: inexact[s], default=next(iter(self.query_sets), None))
 
     def of(self, dataset):
         return [r for r in self.soft if r.dataset == dataset]
@@ -60,7 +62,7 @@ def bytes_title(task):
     title = f"bytes per {task.text.element}, log"
     if not any(kept(r) is not None for r in task.soft):
         return title
-    own = f"mark: with the user's {task.text.element}s where the index keeps no copy"
+    own = f"mark: with the user's {task.text.element}s, if needed"
     return [title, own, "line: from the index alone"]
 
 
@@ -138,7 +140,7 @@ def table(models):
                 r.size, r.n, r.run, r.threads, r.query_ns, r.query_ns_low, r.query_ns_high, r.query_cpu_ns,
                 len(r.samples or ()), r.build_s, r.bytes, kept(r), r.error, r.error_max, r.error_p99, r.error_mean, r.bias,
                 r.error_floor, nodes, extra(r, "leaves"), primitives, extra(r, "recall"), int(id(r) in front),
-                int(promises(r)), int(id(r) in best), y_of(task, r), slots.get(id(r)),
+                int(promises(r)), int(id(r) in best), y_of(task, r), slots.get(id(r)), int(bool(r.values.get("advised"))),
             ])  # fmt: skip
     return {
         "columns": COLUMNS,

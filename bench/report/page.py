@@ -6,7 +6,7 @@ from pathlib import Path
 import vl_convert
 from jinja2 import Environment
 
-from bench.report import charts, ledger, model, pieces, rays, series
+from bench.report import busy, charts, closest, inside, ledger, model, pieces, rays, series, winners
 from bench.report.pieces import esc
 from bench.report.units import count
 
@@ -21,7 +21,7 @@ def build(rows, pictures, title="Treeline: speed against accuracy"):
     data, sections, nav = {"tasks": {}, "charts": []}, [], []
     numbers = model.numbers(models)
     for task in models:
-        cards = series.cards(task, numbers)
+        cards = [*series.cards(task, numbers), *inside.cards(task, numbers), *closest.cards(task, numbers)]
         listed = list(model.chart_list(task))
         for name, kind, dataset, chart in listed:
             entry = {"id": name, "kind": kind, "task": task.name, "dataset": dataset, "spec": charts.theme(chart).to_dict()}
@@ -32,9 +32,9 @@ def build(rows, pictures, title="Treeline: speed against accuracy"):
             data["charts"].append({"id": figure.name, "kind": "fixed", "task": task.name, "dataset": figure.dataset,
                                    "title": figure.title, "spec": charts.theme(figure.chart).to_dict()})  # fmt: skip
         fixed = list(rays.chart_list(task))
-        for name, title, _, chart in fixed:
-            spec = charts.theme(chart).to_dict()
-            data["charts"].append({"id": name, "kind": "fixed", "task": task.name, "dataset": "", "title": title, "spec": spec})
+        for name, heading, _, chart in fixed:
+            data["charts"].append({"id": name, "kind": "fixed", "task": task.name, "dataset": "", "title": heading,
+                                   "spec": charts.theme(chart).to_dict()})  # fmt: skip
         data["tasks"][task.name] = {"element": task.text.element, "queryWord": task.text.query,
                                     "runs": task.runs or [0], "threads": task.threads or [None]}  # fmt: skip
         mine = [p for p in pictures if p.task == task.name]
@@ -69,15 +69,20 @@ def _safe(script):
 
 def _nav(task, pictures, cards):
     name = task.name
-    links = [f'<a class="task" href="#{name}">{esc(task.text.title)}</a>', f'<a href="#{name}-winners">Winners</a>']
+    links = [f'<a class="task" href="#{name}">{esc(task.text.title)}</a>']
+    if winners.winners(task.soft):
+        links.append(f'<a href="#{name}-winners">Winners</a>')
     links += [f'<a href="#{card.name}">{esc(card.title)}</a>' for card in cards]
-    links += [f'<a class="sub" href="#{name}-{k}">{esc(d)}</a>' for k, d in enumerate(task.datasets)]
     if task.datasets:
+        links.append(f'<a href="#{name}-charts">Charts</a>')
+        links += [f'<a class="sub" href="#{name}-{k}">{esc(d)}</a>' for k, d in enumerate(task.datasets)]
         links.append(f'<a href="#{name}-advice">Advice</a>')
     if any(r.hard for r in task.rows):
         links.append(f'<a href="#{name}-stability">Stability</a>')
     if rays.hard_lines(task)[1]:
         links.append(f'<a href="#{name}-figures">Hard cases in figures</a>')
+    if rays.moving_pairs(task):
+        links.append(f'<a href="#{name}-frames">Moving vertices</a>')
     if pictures:
         links.append(f'<a href="#{name}-pictures">Pictures</a>')
     return "".join(links)
@@ -85,8 +90,9 @@ def _nav(task, pictures, cards):
 
 def _head(rows):
     """What was measured, on what, and with whose versions."""
-    tasks = ", ".join(dict.fromkeys(r.task for r in rows))
-    parts = [f"<p>{len(rows):,} cells of the tasks {esc(tasks)}.</p>"]
+    tasks = list(dict.fromkeys(r.task for r in rows))
+    cells, of = "cell" if len(rows) == 1 else "cells", "task" if len(tasks) == 1 else "tasks"
+    parts = [f"<p>{len(rows):,} {cells} of the {of} {esc(', '.join(tasks))}.</p>"]
     lines = []
     for k, run in enumerate(rows.runs):
         mine = [r for r in rows if r.run == k]
@@ -149,19 +155,10 @@ def _meaning(text):
             f"<p>{esc(text.meaning)} Charted is the mean over queries.</p></details>")  # fmt: skip
 
 
-# Below this share of processor time in wall time, on one thread, something else had the core.
-BUSY = 0.9
-
-
 def _busy(rows):
     """A warning where the machine had other work while it measured."""
-    timed = [r for r in rows if r.threads == 1 and r.query_ns and r.query_cpu_ns and not r.hard]
-    slowed = sum(r.query_cpu_ns < BUSY * r.query_ns for r in timed)
-    if slowed < 0.05 * len(timed):
-        return ""
-    return (f'<p class="note"><b>The machine was busy:</b> in {slowed:,} of {len(timed):,} timed cells the processor '
-            f"worked on them for less than {BUSY:.0%} of the time. Measure again on a quiet machine before you "
-            "trust close calls.</p>")  # fmt: skip
+    told = busy.warning(rows)
+    return f'<p class="note warning"><b>The machine was busy:</b> {esc(told)}</p>' if told else ""
 
 
 def _section(task, rows, listed, fixed, pictures, cards):
@@ -175,7 +172,7 @@ def _section(task, rows, listed, fixed, pictures, cards):
                      for r in task.runs)  # fmt: skip
     if tables:
         blocks.append(f'<h3 id="{name}-winners">Winners</h3>{tables}')
-    blocks += [pieces.figures(card) for card in cards]
+    blocks += [pieces.figures(task, card) for card in cards]
     if task.datasets:
         blocks.append(_toolbar(task, rows))
         by_dataset = {d: [(n, k) for n, k, of, _ in listed if of == d] for d in task.datasets}
@@ -188,12 +185,13 @@ def _section(task, rows, listed, fixed, pictures, cards):
         blocks.append(f'<h3 id="{name}-stability">Stability: the hard cases</h3>{matrix}')
     if figures := rays.hard_table(task):
         blocks.append(f'<h3 id="{name}-figures">Hard cases in figures</h3>{figures}')
+    boxes = {chart: f'<div class="fixed-charts"><div class="chart fixed"><h4>{esc(title)}</h4>'
+             f'<div id="{chart}" class="plot"></div><p class="note">{esc(note)}</p></div></div>'
+             for chart, title, note, _ in fixed}  # fmt: skip
+    blocks.append(boxes.get(f"{name}-offset", ""))
     if moving := rays.moving_table(task):
-        blocks.append(f'<h3 id="{name}-frames">Moving vertices: refit or rebuild?</h3>{moving}')
-    if fixed:
-        boxes = "".join(f'<div class="chart fixed"><h4>{esc(title)}</h4><div id="{chart}" class="plot"></div>'
-                        f'<p class="note">{esc(note)}</p></div>' for chart, title, note, _ in fixed)  # fmt: skip
-        blocks.append(f'<div class="fixed-charts">{boxes}</div>')
+        chart = boxes.get(f"{name}-moving", "")
+        blocks.append(f'<h3 id="{name}-frames">Moving vertices: refit or rebuild?</h3>{chart}{moving}')
     if pictures:
         blocks.append(f'<h3 id="{name}-pictures">Pictures</h3>{pieces.gallery(pictures)}')
     return "".join(blocks) + "</section>"
@@ -211,7 +209,7 @@ def _toolbar(task, rows):
     runs = [pieces.option(r, _run_name(rows, r)) for r in task.runs]
     threads = [pieces.option(t, t) for t in task.threads]
     name = task.name
-    return (f'<div class="toolbar"><div class="choices" data-task="{name}">'
+    return (f'<h3 id="{name}-charts">Charts</h3><div class="toolbar"><div class="choices" data-task="{name}">'
             + pieces.select(name, "set", "Query set", sets)
             + (pieces.select(name, "size", "Size", sizes) if len(task.sizes) > 1 else "")
             + (pieces.select(name, "run", "Run", runs) if len(runs) > 1 else "")

@@ -4,7 +4,7 @@ from html import escape as esc
 
 from bench.report import approximate, palette, stability
 from bench.report.units import count, duration
-from bench.report.winners import largest, mean_ratio, winners
+from bench.report.winners import LUCKY, largest, means, winners
 
 
 def glyph(look, size=13):
@@ -23,11 +23,13 @@ def select(task, name, label, options):
             if options else "")  # fmt: skip
 
 
-def legend(task):
-    """All methods with their marks; pointing at one shows it alone."""
+def legend(task, methods=None):
+    """All charted methods, or those, with their marks; pointing at one shows it alone."""
+    if methods is None:
+        methods = {r.method for r in (*task.soft, *task.scaling)}  # some face hard cases only
     parts = []
     for source, words in (("ours", "Ours (filled)"), ("peer", "Peers (hollow)")):
-        looks = [look for look in task.looks.values() if look.source == source]
+        looks = [look for look in task.looks.values() if look.source == source and look.method in methods]
         if looks:
             chips = "".join(
                 f'<button type="button" data-method="{esc(look.method)}" aria-pressed="false">'
@@ -53,13 +55,14 @@ def winners_table(task, run):
             row = "".join(_winner(task, k, s, w) for s, w in zip(sets, of_dataset))
             name = f'<a href="#{task.name}-{k}">{_breakable(dataset)}</a>'
             lines.append(f"<tr><th scope=row>{name} <small>{count(size)}</small></th>{row}</tr>")
-    mean = mean_ratio(found)
-    foot = f"Geometric mean of the ratios: ours runs at <b>{mean:.2f}×</b> the speed of the best peer. " if mean else ""
+    foot = ". ".join(text[0].upper() + text[1:] for text in means(found, "×"))
+    lucky = f" In brackets: ours {LUCKY}." if any(w.beside_lucky for w in found) else ""
     return (f'<div class="scroll"><table class="winners"><thead><tr><th scope=col>dataset</th>{head}</tr></thead>'
-            f'<tbody>{"".join(lines)}</tbody></table></div><p class="note">{foot}Each cell: the fastest right method at '
-            "the largest size, and how many times faster our best is than the best peer in the same run; ~ where the "
-            "intervals of the repetitions overlap or there was only one. Right is a mean error of at most 1e-6, which is "
-            "what single precision leaves, and no broken claim.</p>")  # fmt: skip
+            f'<tbody>{"".join(lines)}</tbody></table></div><p class="note">{foot + "." if foot else ""} Each cell: the fastest '
+            "exact method at the largest size, and how many times faster our best is than the best exact peer in the same "
+            "run; ~ where the intervals of the repetitions overlap or there was only one. Exact is, of ours and of peers "
+            "alike, who promises it (claim exact, or bounded by rounding) and kept to it here, up to a mean error of 1e-6, "
+            f"which is what single precision leaves. Approximate methods are in the charts, and win nothing here.{lucky}</p>")  # fmt: skip
 
 
 def _winner(task, k, query_set, w):
@@ -67,13 +70,17 @@ def _winner(task, k, query_set, w):
         return "<td>–</td>"
     best = w.best
     if w.ratio is None:
-        note, kind = "no peer right" if w.ours else "ours not right", "ours" if w.ours else "peer"
+        note, kind = "no peer exact" if w.ours else "ours not exact", "ours" if w.ours else "peer"
     else:
         note = f"{w.ratio:.2f}×{'' if w.clear else ' ~'}"
         kind = "even" if not w.clear else "ours" if w.ratio > 1 else "peer"
+    beside = ""
+    if w.beside_lucky:
+        beside = f"<br><small class=beside>[{w.beside_lucky:.2f}× {_breakable(w.lucky.method)}]</small>"
+        kind = "even" if kind == "ours" and w.beside_lucky <= 1 else kind
     return (f'<td class="{kind}"><a href="#{task.name}-{k}" data-task="{task.name}" data-set="{esc(query_set or "")}">'
             f"{glyph(task.looks[best.method])} {_breakable(best.method)}</a><br><span>{duration(best.query_ns)}</span> "
-            f"<small>{note}</small></td>")  # fmt: skip
+            f"<small>{note}</small>{beside}</td>")  # fmt: skip
 
 
 def _breakable(name):
@@ -81,12 +88,13 @@ def _breakable(name):
     return esc(name).replace("_", "_<wbr>")
 
 
-def figures(card):
-    """A card of charts that no choice changes."""
+def figures(task, card):
+    """A card of charts that no choice changes; with a legend where their axes do not name the methods."""
+    key = legend(task, card.methods) if card.methods else ""
     boxes = "".join(f'<div class="chart"><h4>{esc(f.title)}</h4><div id="{esc(f.name)}" class="plot"></div></div>'
                     for f in card.figures)  # fmt: skip
     return (f'<article class="series" id="{card.name}"><h3>{esc(card.title)}</h3><p class="note">{esc(card.caption)}</p>'
-            f'<div class="row">{boxes}</div></article>')  # fmt: skip
+            f'{key}<div class="row">{boxes}</div></article>')  # fmt: skip
 
 
 def rungs(task, dataset):
@@ -130,10 +138,17 @@ def matrix_table(task):
         totals.append(f'<td class="{"st-wrong" if bad else "st-ok"}">{bad}</td>')
     key = " ".join(f'<span><i class="st-{s}">{stability.LETTERS[s]}</i> {w}</span>' for s, w in stability.WORDS.items())
     name = f"{task.name}-matrix"
+    asked = {c.method for c in columns}
+    unasked = [m for m in task.looks if m not in asked and any(r.method == m and r.status != "not_built" for r in task.soft)]
+    note = f'<p class="note">Not in this matrix: {esc(", ".join(unasked))}. {esc(task.text.hard)}</p>' if unasked else ""
+    asserted = sum((c.row.reason or "").startswith("an assertion") for c in cells.values())
+    if asserted:
+        note += (f'<p class="note">{asserted} of the crashes are assertions: Debian builds its Embree and PCL with them, and they '
+                 "end the program where a build without them would go on to answer, rightly or not.</p>")  # fmt: skip
     return (f'<p class="key">{key}</p><div class="scroll"><table class="matrix" id="{name}"><thead><tr><th></th>{head}'
             f'</tr></thead><tbody>{"".join(lines)}</tbody><tfoot><tr><th scope=row>broken cases</th>{"".join(totals)}'
             f'</tr></tfoot></table></div><p class="line" id="{name}-line" aria-live="polite">Point at a cell, or move '
-            "with the arrow keys, to read what happened there.</p>")  # fmt: skip
+            f"with the arrow keys, to read what happened there.</p>{note}")  # fmt: skip
 
 
 def _cell(cell):
@@ -144,7 +159,7 @@ def _cell(cell):
 
 
 # What a heading says of a kind of pictures; those made of panels side by side take a row each.
-KINDS = {"work": "work: nodes and triangles that rays visit", "slice": "slices through the cells of trees",
+KINDS = {"work": "work: nodes and triangles that queries visit", "slice": "slices through the cells of trees",
          "disagreement": "where answers differ from the truth", "leaks": "leaks at edges and vertices"}  # fmt: skip
 PANELS = ("work", "leaks")
 
@@ -165,7 +180,9 @@ def gallery(pictures):
 
 def advice(task):
     datasets = "".join(option(d, d) for d in task.datasets)
-    sets = option("*", "all that every method answers") + "".join(option(s, s) for s in task.query_sets)
+    told = list(dict.fromkeys(r.query_set for r in task.soft if r.values.get("advised")))
+    sets = option("*", f"those of --advise: {', '.join(told)}" if told else "all that every method answers")
+    sets += "".join(option(s, s) for s in task.query_sets)
     return (f'<div class="advice" data-task="{task.name}"><div class="controls"><label>dataset <select name="dataset" '
             f'autocomplete="off">{datasets}</select></label><label>query sets <select name="set" autocomplete="off">'
             f'{sets}</select></label><label class="slide">tolerance <input type="range" name="tolerance" min="0" '

@@ -18,8 +18,8 @@ MANY_ULP = 100
 
 
 def share(value):
-    """Of a million, short enough for a cell: 251k, 8,150, 100."""
-    return f"{value / 1000:.3g}k" if 10_000 <= value < 999_500 else f"{value:,.0f}"
+    """Of a million, short enough for a cell: all, 251k, 8,150, 100."""
+    return "all" if value >= 999_500 else f"{value / 1000:.3g}k" if value >= 10_000 else f"{value:,.0f}"
 
 
 def extra(row, name):
@@ -42,17 +42,25 @@ def missing(row):
     return None if leaks(row) is not None else per_million("missing")(row)
 
 
-FIGURES = (("leaks", leaks), ("misses", missing), ("hits that are none", per_million("surplus")),
-           ("t beyond the triangle", per_million("t_outside")))  # fmt: skip
+def passed(row):
+    """Answers with something that lies behind what is truly hit."""
+    missed, without = per_million("false_misses")(row), per_million("missing")(row)
+    return None if leaks(row) is not None or None in (missed, without) else max(missed - without, 0)
+
+
+FIGURES = (("leaks", leaks), ("misses", missing), ("what lies behind", passed),
+           ("hits that are none", per_million("surplus")), ("t beyond the triangle", per_million("t_outside")))  # fmt: skip
 
 
 def hard_lines(task):
     """(columns, lines, clean cases): a line is (case, figure, {column: text}, {column: is it bad})."""
     columns = columns_of(task.rows, task.looks)
-    by_case = {}
+    by_case, broken = {}, set()
     for row in task.rows:
         if row.hard and row.query_set == "closest" and row.status in ("ok", "wrong"):
             by_case.setdefault(row.dataset, []).append(row)
+        elif row.hard and row.failed:
+            broken.add(row.dataset)
     lines, clean = [], []
     for case, rows in by_case.items():
         before = len(lines)
@@ -70,7 +78,7 @@ def hard_lines(task):
             add(words, value)
         add("worst t, ulp", lambda r: extra(r, "t_ulp_max"), show=figure, bad=lambda v: v > MANY_ULP,
             shown=lambda values: any(v > MANY_ULP for v in values.values()))  # fmt: skip
-        if len(lines) == before:
+        if len(lines) == before and case not in broken:
             clean.append(case)
         if case in SLOW:
             add("time per ray", lambda r: r.query_ns, show=duration, bad=lambda v: False)
@@ -109,43 +117,76 @@ def offset_points(task):
 LEAST_OFFSET = 3e-9  # where no offset stands on a logarithmic axis
 
 
+def offset_curves(task):
+    """[(methods, {offset: hits})]: methods whose figures differ by less than a hundredth or so share a curve."""
+    curves, methods = {}, {}
+    for p in offset_points(task):
+        curves.setdefault(p["line"], {})[p["offset"]] = p["hits"]
+        methods[p["line"]] = p["method"]
+    alike = {}
+    for line, curve in curves.items():
+        key = tuple((o, f"{hits:.1e}") for o, hits in sorted(curve.items()))
+        of, _ = alike.setdefault(key, ({}, curve))
+        of[methods[line]] = None
+    return [(list(of), curve) for of, curve in alike.values()]
+
+
 def offset_chart(task, width="container"):
-    points = {(p["line"], p["offset"]): p for p in offset_points(task)}  # knobs of queries do not tell
-    if not points:
+    curves = offset_curves(task)
+    if not curves:
         return None
-    values = [p | {"offset": max(p["offset"], LEAST_OFFSET)} for p in points.values()]
-    # Methods mostly agree, so that marks lie on each other: larger ones lie below.
-    order = {name: k for k, name in enumerate(dict.fromkeys(v["line"] for v in values))}
-    for v in values:
-        v["size"] = 30 + 15 * (len(order) - order[v["line"]])
-    used = {m: look for m, look in task.looks.items() if any(v["method"] == m for v in values)}
-    color, shape = charts._scales(used)
+    def name(methods):
+        if len(curves) == 1:
+            return f"all {len(methods)} methods" if len(methods) > 1 else methods[0]
+        return ", ".join(methods[:4]) + (f" and {len(methods) - 4} more" if len(methods) > 4 else "")
+
+    values = [{"offset": max(offset, LEAST_OFFSET), "hits": hits, "line": f"{k + 1}: {name(methods)}" if k else name(methods)}
+              for k, (methods, curve) in enumerate(curves) for offset, hits in curve.items()]  # fmt: skip
+    looks = [task.looks[methods[0]] for methods, _ in curves]
+    lines = list(dict.fromkeys(v["line"] for v in values))
     x = alt.X("offset:Q", scale=alt.Scale(type="log", nice=False, padding=14), axis=alt.Axis(
         title="offset over the largest coordinate, log", values=[LEAST_OFFSET, 1e-8, 1e-7, 1e-6, 1e-5],
         labelExpr=f"datum.value < {1.1 * LEAST_OFFSET} ? 'none' : format(datum.value, '.0e')", gridOpacity=0.5))  # fmt: skip
     y = alt.Y("hits:Q", scale=alt.Scale(type="symlog", constant=100), axis=alt.Axis(
         title="rays that hit the surface they leave, per million", values=[0, 100, 1e3, 1e4, 1e5, 5e5], format=",d",
         gridOpacity=0.5))  # fmt: skip
-    base = alt.Chart(alt.Data(values=values)).encode(x=x, y=y, detail="line:N")
-    line = base.mark_line(strokeWidth=1.2, opacity=0.7).encode(stroke=alt.Stroke("method:N", scale=color, legend=None))
-    dots = base.mark_point(strokeWidth=1.4, opacity=0.9).encode(
-        size=alt.Size("size:Q", scale=None, legend=None),
-        stroke=alt.Stroke("method:N", scale=color, legend=None), shape=alt.Shape("method:N", scale=shape, legend=None),
-        tooltip=[alt.Tooltip("line:N", title="method"), alt.Tooltip("hits:Q", format=",.0f", title="per million")])  # fmt: skip
-    return alt.layer(line, dots).properties(width=width, height=260)
+    key = alt.Legend(title=None, orient="top", columns=1, labelLimit=560)
+    color = alt.Scale(domain=lines, range=[look.color for look in looks])
+    shape = alt.Scale(domain=lines, range=[look.shape for look in looks])
+    base = alt.Chart(alt.Data(values=values)).encode(x=x, y=y, stroke=alt.Stroke("line:N", scale=color, legend=key))
+    dots = base.mark_point(strokeWidth=1.6, size=50).encode(
+        shape=alt.Shape("line:N", scale=shape, legend=key),
+        tooltip=[alt.Tooltip("line:N", title="methods"), alt.Tooltip("hits:Q", format=",.0f", title="per million")])  # fmt: skip
+    return alt.layer(base.mark_line(strokeWidth=1.4), dots).properties(width=width, height=260)
 
 
 def offset_note(task):
-    """The smallest offset with which a method's rays hit nothing, by method."""
-    smallest = {}
+    """The smallest offset with which a method's rays hit nothing; its builds are told apart where they differ in it."""
+    smallest, method_of = {}, {}
     for p in offset_points(task):
+        method_of[p["line"]] = p["method"]
         if p["hits"] == 0:
             smallest[p["line"]] = min(p["offset"], smallest.get(p["line"], 1))
+    agree = {m: {smallest.get(line) for line, of in method_of.items() if of == m} for m in method_of.values()}
     by_offset = {}
     for line, offset in smallest.items():
-        by_offset.setdefault(offset, []).append(line)
-    texts = (f"{o:g} for {'all' if len(by_offset) == 1 else ', '.join(lines)}" for o, lines in sorted(by_offset.items()))
-    return f"Smallest offset without a self-hit: {'; '.join(texts)}."
+        method = method_of[line]
+        by_offset.setdefault(offset, {})[method if len(agree[method]) == 1 else line] = None
+    never = [line for line in method_of if line not in smallest]
+    texts = [f"{o:g} for {'all' if len(by_offset) == 1 and not never else ', '.join(names)}"
+             for o, names in sorted(by_offset.items())]  # fmt: skip
+    texts += [f"none of these for {', '.join(never)}"] if never else []
+    found = f"Smallest offset without a self-hit: {'; '.join(texts)}."
+    if len(offset_curves(task)) == 1:
+        found += " The methods' figures agree to about a hundredth, so one line stands for all."
+    by_rule = [extra(r, "self_hits_per_million") for r in task.rows if r.hard and r.query_set == "waechter_binder"]
+    if by_rule := [hits for hits in by_rule if hits is not None]:
+        found += f" Wächter and Binder's offset in integers (2019) leaves {max(by_rule):,.0f} per million at most."
+    return found
+
+
+MOVING = """Of each method that refits, its build with the fastest rays. Where the solid line leaves the dashed one, refitting
+has begun to cost the rays. Lines through the marks are the repetitions' intervals."""
 
 
 def moving_pairs(task):
@@ -162,6 +203,12 @@ def moving_pairs(task):
     return found
 
 
+def unmeasured(task):
+    """{method: words for a refit that has no figures}: some methods have none, of others it was not asked."""
+    rows = [r for r in task.soft if (r.query_set or "").endswith("_refit") and r.status == "unsupported"]
+    return {r.method: "not measured" if (r.reason or "").startswith("not measured") else "no refit" for r in rows}
+
+
 def break_even(refit, rebuilt):
     """Rays a frame from which on building anew is the cheaper: what it takes longer over what it saves a ray."""
     more = extra(rebuilt, "update_s") - extra(refit, "update_s")
@@ -173,7 +220,7 @@ def break_even(refit, rebuilt):
 
 def moving_table(task):
     """Refit against rebuild, frame by frame; methods without a refit show what a build of theirs costs."""
-    parts = []
+    parts, words = [], unmeasured(task)
     for (dataset, n), methods in moving_pairs(task).items():
         lines, seen = [], {method for (method, _), frames in methods.items() if any("refit" in k for k in frames.values())}
         for (method, knobs), frames in methods.items():
@@ -186,7 +233,7 @@ def moving_table(task):
                 refit, rebuilt = kinds.get("refit"), kinds.get("rebuilt")
                 cells = [duration(1e9 * extra(r, "update_s")) if r else "–" for r in (refit, rebuilt)]
                 cells += [duration(r.query_ns) if r else "–" for r in (refit, rebuilt)]
-                cells.append(break_even(refit, rebuilt) if refit and rebuilt else "no refit")
+                cells.append(break_even(refit, rebuilt) if refit and rebuilt else words.get(method, "no refit"))
                 lines.append("<tr>" + "".join(f"<td>{esc(str(c))}</td>" for c in (method, knobs, frame, *cells)) + "</tr>")
         heads = ("method", "built with", "frame", "refit", "rebuild", "ray after refit", "ray after rebuild", "rebuilding pays")
         head = "".join(f"<th scope=col>{h}</th>" for h in heads)
@@ -197,31 +244,55 @@ def moving_table(task):
         return ""
     return ('<p class="note">The mesh is twisted, 0.1 rad more from bottom to top each frame. A refit keeps the tree that was '
             "built over frame 0 and moves its bounds; times of rays are medians, those of updates the best of three.</p>"
-            + "".join(parts))  # fmt: skip
+            f'<details><summary>Every build, frame by frame</summary>{"".join(parts)}</details>')  # fmt: skip
+
+
+KINDS = {"refit": "after refit", "rebuilt": "after rebuild"}
+
+
+def moving_points(task):
+    """Of each method that has both, the build whose rays are fastest after it was made anew, frame by frame."""
+    for (dataset, n), methods in moving_pairs(task).items():
+        both = {k: f for k, frames in methods.items() if (f := {n: k for n, k in frames.items() if KINDS.keys() <= k.keys()})}
+        best = {}
+        for (method, knobs), frames in both.items():
+            fastest = sum(kinds["rebuilt"].query_ns for kinds in frames.values()) / len(frames)
+            if method not in best or fastest < best[method][0]:
+                best[method] = fastest, knobs, frames
+        for method, (_, knobs, frames) in best.items():
+            for frame, kinds in frames.items():
+                for kind, words in KINDS.items():
+                    row = kinds[kind]
+                    yield {"frame": frame, "ns": row.query_ns, "kind": words, "method": method, "knobs": knobs,
+                           "lo": row.query_ns_low or row.query_ns, "hi": row.query_ns_high or row.query_ns,
+                           "dataset": dataset, "line": f"{dataset}, {method}, {words}"}  # fmt: skip
 
 
 def moving_chart(task, width="container"):
-    """Time of a frame against the rays that it casts, refit and rebuild, for methods that have both."""
-    values = []
-    for (dataset, n), methods in moving_pairs(task).items():
-        for (method, knobs), frames in methods.items():
-            for frame, kinds in frames.items():
-                if {"refit", "rebuilt"} <= kinds.keys():
-                    for name, row in kinds.items():
-                        values.append({"frame": frame, "ns": row.query_ns, "kind": name, "method": method, "dataset": dataset,
-                                       "lo": row.query_ns_low or row.query_ns, "hi": row.query_ns_high or row.query_ns,
-                                       "line": f"{dataset}, {method} {name}"})  # fmt: skip
+    """Time per ray against the frames since the build, after refit and after rebuild, for methods that have both."""
+    values = list(moving_points(task))
     if not values:
         return None
+    looks = {m: look for m, look in task.looks.items() if any(v["method"] == m for v in values)}
+    color, shape = charts._scales(looks)
+    frames = sorted({v["frame"] for v in values})
+    key = alt.Legend(title=None, orient="top", columns=3, labelLimit=300)
+    dashed = alt.Legend(title=None, orient="top", symbolType="stroke", symbolSize=300, symbolStrokeColor=charts.INK)
     base = alt.Chart(alt.Data(values=values)).encode(
         x=alt.X("frame:Q", scale=alt.Scale(type="log", base=2, nice=False, padding=14),
-                axis=alt.Axis(title="frames after the build", values=[1, 2, 4, 8, 16, 32], format="d", gridOpacity=0.5)),
-        color=alt.Color("line:N", legend=alt.Legend(title=None, orient="top", columns=1, labelLimit=300)))  # fmt: skip
-    y = alt.Axis(title="time per ray", labelExpr=charts.DURATION, gridOpacity=0.5)
+                axis=alt.Axis(title="frames after the build, log", values=frames, format="d", gridOpacity=0.5)),
+        stroke=alt.Stroke("method:N", scale=color, legend=key), detail="line:N")  # fmt: skip
+    y = alt.Axis(title="time per ray", labelExpr=charts.DURATION, tickCount=6, gridOpacity=0.5)
     scale = alt.Scale(zero=True)
-    line = base.mark_line(strokeWidth=1.6).encode(y=alt.Y("ns:Q", axis=y, scale=scale))
+    line = base.mark_line(strokeWidth=1.6).encode(
+        y=alt.Y("ns:Q", axis=y, scale=scale),
+        strokeDash=alt.StrokeDash("kind:N", legend=dashed, sort=None,
+                                  scale=alt.Scale(domain=list(KINDS.values()), range=[[1, 0], [5, 3]])))  # fmt: skip
     rule = base.mark_rule(strokeWidth=1.2).encode(y=alt.Y("lo:Q", axis=y, scale=scale), y2="hi:Q")
-    dots = base.mark_point(size=40, filled=True).encode(y=alt.Y("ns:Q", axis=y, scale=scale), tooltip="line:N")
+    tooltip = [alt.Tooltip("line:N", title="method"), alt.Tooltip("knobs:N", title="built with"),
+               alt.Tooltip("frame:Q"), alt.Tooltip("ns:Q", title="ns a ray", format=",.0f")]  # fmt: skip
+    dots = base.mark_point(size=44, strokeWidth=1.6, fill="transparent").encode(
+        y=alt.Y("ns:Q", axis=y, scale=scale), shape=alt.Shape("method:N", scale=shape, legend=key), tooltip=tooltip)
     return alt.layer(line, rule, dots).properties(width=width, height=240)
 
 
@@ -230,4 +301,4 @@ def chart_list(task):
     if chart := offset_chart(task):
         yield f"{task.name}-offset", "Self-intersection: how far off must a ray start?", offset_note(task), chart
     if chart := moving_chart(task):
-        yield f"{task.name}-moving", "Moving vertices: rays after refit and after rebuild", "", chart
+        yield f"{task.name}-moving", "Moving vertices: rays after refit and after rebuild", MOVING, chart

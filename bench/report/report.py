@@ -15,6 +15,9 @@ from bench.report import rows as reader
 from bench.report import winners
 
 
+MOST_WARNINGS = 10  # that are printed: two files of one run repeat thousands of cells
+
+
 def main(argv=None):
     parser = argparse.ArgumentParser(prog="report.py", description="Makes one HTML report of result rows.")
     parser.add_argument("rows", nargs="+", metavar="ROWS.jsonl", help="result files, as --rows of a benchmark writes them")
@@ -36,12 +39,14 @@ def main(argv=None):
     except (OSError, reader.RowError) as error:
         print(f"report: {error}", file=sys.stderr)
         return 2
-    for warning in warnings:
+    for warning in warnings[:MOST_WARNINGS]:
         print(f"report: warning: {warning}", file=sys.stderr)
+    if more := len(warnings[MOST_WARNINGS:]):
+        print(f"report: {more} more warning{'s' if more > 1 else ''}; the report lists them", file=sys.stderr)
     if arguments.out and not arguments.winners:
         print(f"Report: {arguments.out}")
     if arguments.winners:
-        print(winners.table(list(rows)) or "No row has a right answer with a time.")
+        print(winners.table(list(rows)) or "No row of a method that promises exact answers has a time.")
     return 0
 
 

@@ -31,6 +31,7 @@ class Card:
     title: str
     caption: str
     figures: list
+    methods: tuple = ()  # that need a legend
 
 
 def cards(task, numbers, width="container", legend=False):
@@ -127,7 +128,7 @@ def batch_points(task, rows):
 
 def _batches(task, numbers, width, legend):
     rows = [r for r in task.soft if r.run == (task.runs or [0])[0] and r.threads == (task.threads or [None])[0]]
-    out = []
+    out, methods = [], []
     for dataset in task.datasets:
         size = max((r.size for r in rows if r.dataset == dataset), default=0)
         found = batch_points(task, [r for r in rows if r.dataset == dataset and r.size == size])
@@ -138,8 +139,9 @@ def _batches(task, numbers, width, legend):
         values = [{"i": numbers[id(r)], "method": r.method, "x": r.query_ns, "lo": low(r), "hi": high(r), "n": batch}
                   for r, batch in found]  # fmt: skip
         looks = {m: look for m, look in task.looks.items() if any(v["method"] == m for v in values)}
+        methods += looks
         chart = charts.scaling_chart(alt.Data(values=values), looks, task.text.element, "point that comes or goes",
                                      legend, width, 300, f"{task.text.element}s in a batch")  # fmt: skip
         title = f"{dataset}, {count(size)} {task.text.element}s there at a time"
         out.append(Figure(f"{task.name}-batches-{dataset}", title, dataset, chart))
-    return Card(f"{task.name}-card-changes", "Changes", BATCHES, out)
+    return Card(f"{task.name}-card-changes", "Changes", BATCHES, out, tuple(methods))

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from bench.report.frontier import RIGHT, shown_error
 from bench.report.rows import plain
-from bench.report.units import figure
+from bench.report.units import brief, figure
 
 # Worst first: the statuses of rows, and "inexact" for a row that is ok by its method's claim, yet not right. A refusal
 # is news, that an approximate method errs is none: where one query set was refused, the cell says so.
@@ -35,9 +35,9 @@ class Cell:
     def error(self):
         """The figure behind the status, short: how far off at worst, or on average where errors are allowed."""
         if self.status == "inexact":
-            return figure(shown_error(self.row))
+            return brief(shown_error(self.row))
         value = self.row.error_max if self.row.error_max is not None else self.row.error
-        return figure(abs(value)) if value is not None and self.status == "wrong" else ""
+        return brief(abs(value)) if value is not None and self.status == "wrong" else ""
 
     @property
     def detail(self):

@@ -6,7 +6,7 @@ from pathlib import Path
 import altair as alt
 import vl_convert
 
-from bench.report import charts, rays, series, stability
+from bench.report import charts, closest, inside, rays, series, stability
 from bench.report.layout import lane_notes
 from bench.report.model import bytes_title, points
 from bench.report.units import count
@@ -59,7 +59,7 @@ def _charts(task):
                 chart = charts.lanes_chart(_data(task, at_size), field, label, methods, task.looks, False, 460)
                 yield f"{_file_name(task.name, dataset, field)}", chart.properties(title=f"{dataset}, {count(size)}")
     numbers = {id(r): i for i, r in enumerate((*task.soft, *task.scaling))}
-    for card in series.cards(task, numbers, 460, True):
+    for card in (*series.cards(task, numbers, 460, True), *inside.cards(task, numbers, 460), *closest.cards(task, numbers, 460)):
         for figure in card.figures:
             yield _file_name(figure.name), figure.chart.properties(title=figure.title)
     cases, columns, cells = stability.matrix(task.rows, task.looks)
@@ -82,7 +82,8 @@ def _matrix(task, cases, columns, cells):
     values = [{"case": c, "method": column.label, "status": cell.status, "letter": cell.letter}
               for (c, column), cell in cells.items()]
     base = alt.Chart(alt.Data(values=values)).encode(
-        x=alt.X("method:N", sort=[c.label for c in columns], axis=alt.Axis(title=None, orient="top", labelAngle=-45)),
+        x=alt.X("method:N", sort=[c.label for c in columns],
+                axis=alt.Axis(title=None, orient="top", labelAngle=-45, labelLimit=300)),
         y=alt.Y("case:N", sort=cases, axis=alt.Axis(title=None, labelLimit=260)))  # fmt: skip
     color = alt.Color("status:N", scale=alt.Scale(domain=list(COLORS), range=list(COLORS.values())))
     chart = alt.layer(base.mark_rect(stroke="white").encode(color=color),
@@ -96,6 +97,6 @@ def _file_name(*parts):
 
 def _save(chart, path):
     spec = charts.theme(chart, "white", "sans-serif").to_json()
-    svg = vl_convert.vegalite_to_svg(spec.replace("currentColor", "#222"))
+    svg = vl_convert.vegalite_to_svg(spec.replace(charts.INK, "#222").replace(charts.PAPER, "white"))
     path.with_name(path.name + ".svg").write_text(svg)
     path.with_name(path.name + ".png").write_bytes(vl_convert.svg_to_png(svg, scale=2))

@@ -12,9 +12,22 @@ class TaskText:
     error: str  # name of the primary metric, as an axis title
     meaning: str = ""  # of that metric
     query_sets: tuple = ()  # (name, what is asked)
+    hard: str = ""  # why some methods have no hard cases
 
 
 TASKS = {
+    "inside": TaskText(
+        "Points in meshes",
+        "Is a point inside a mesh?",
+        "triangle", "query", "share of wrong answers",
+        "Points on the surface belong to the mesh, and only methods that claim to be exact must say so. A damaged mesh "
+        "(its name says how, after the plus) is held against what was inside of it before: there nobody promises anything.",
+        (("near", "a thousandth of the diagonal off a random point of the surface"),
+         ("uniform", "anywhere in the mesh's box"),
+         ("far", "two to four diagonals away"),
+         ("centre", "in the middle of the box"),
+         ("on_vertex", "two coordinates are those of a vertex, so that rays along an axis meet it"),
+         ("near_threads, uniform_threads", "the same as those without _threads, more queries, for thread scaling"))),
     "knn": TaskText(
         "Neighbours in point clouds",
         "Which points lie nearest to a query, within a radius of it, or inside a box?",
@@ -30,7 +43,9 @@ TASKS = {
          ("knn8_far", "the 8 nearest of a position two to four diagonals of that box away"),
          ("radius_self", "all within a radius, chosen to hold about 30 points, of a point of the cloud"),
          ("box_self", "all in a box of about 30 points around a point of the cloud"),
-         ("knn8_threads, radius_threads", "the same as those ending in _self, many more queries, for thread scaling"))),
+         ("knn8_threads, radius_threads", "the same as those ending in _self, many more queries, for thread scaling")),
+        "The hard cases are clouds of floats. Those that answer in doubles, and those that round doubles, are asked where "
+        "float cannot hold a cloud (georeferenced)."),
     "knn_dynamic": TaskText(
         "Points that come and go",
         "What does it cost that points come and go, and what do queries lose by it?",
@@ -71,6 +86,20 @@ TASKS = {
           "the closest hit after the vertices have moved, on an index that was refitted, or built anew"),
          ("camera_threads, random_threads, shadow_threads",
           "the same as those without _threads, many more rays, for thread scaling"))),
+    "closest_point": TaskText(
+        "Closest points of triangle meshes",
+        "Which point of a mesh lies nearest to a query, and on which triangle?",
+        "triangle", "query", "mean error over the diagonal",
+        "Over the diagonal of the mesh's box, the larger of two: how far the distance to the point answered is from the true "
+        "one, and how far that point lies off the triangle named. No answer where there is one counts 1. Methods called "
+        "bvh_decimated search a mesh of fewer faces: of them only the distance is judged.",
+        (("near", "a thousandth of the diagonal off a random point of the surface, in random order"),
+         ("near_sorted, uniform_sorted", "the same queries, each near the one before"),
+         ("uniform", "anywhere in the mesh's box"),
+         ("far", "two to four diagonals away"),
+         ("centre", "in the middle of the box, where much is about as near"),
+         ("on_vertex", "a vertex, or a point that shares one or two coordinates with one"),
+         ("near_threads, uniform_threads", "the same as those without _threads, more queries, for thread scaling"))),
 }  # fmt: skip
 
 

@@ -13,6 +13,11 @@ def figure(value):
     return f"{value:.2g}".replace("e-0", "e-").replace("e+0", "e")
 
 
+def brief(value):
+    """Two significant digits, for a cell of a few letters."""
+    return f"{value:.0f}" if 100 <= value < 1e5 else f"{value:.2g}".replace("e-0", "e-").replace("e+0", "e")
+
+
 def duration(ns):
     for unit, scale in (("s", 1e9), ("ms", 1e6), ("µs", 1e3)):
         if ns >= scale:

@@ -1,5 +1,10 @@
 #!/usr/bin/env python3
-"""Winners: per dataset and query set the fastest right method, and ours beside the best peer of the same run."""
+"""Winners: per dataset and query set the fastest exact method, and ours beside the best peer of the same run.
+
+A method counts as exact if its claim promises it and its answers kept to it: the same is asked of ours and of peers.
+Approximate ones win nothing here, however right they were on the queries at hand; where such a peer had no error on
+them and was faster than every peer that promises, ours is set against it, too.
+"""
 
 import argparse
 import sys
@@ -11,7 +16,8 @@ if __package__ in (None, ""):  # run as a file
     sys.path[0] = str(Path(__file__).resolve().parents[2])
 
 from bench.report import rows as reader
-from bench.report.frontier import fastest_exact, groups
+from bench.report import busy
+from bench.report.frontier import fastest, groups, right
 from bench.report.units import count
 
 
@@ -25,6 +31,7 @@ class Winner:
     run: int
     ours: object  # Row or None
     peer: object
+    lucky: object = None  # a peer without a promise that was right here and faster than `peer`, or None
 
     @property
     def best(self):
@@ -35,6 +42,16 @@ class Winner:
     def ratio(self):
         """How many times faster ours is than the best peer, or None."""
         return self.peer.query_ns / self.ours.query_ns if self.ours and self.peer else None
+
+    @property
+    def beside_lucky(self):
+        """How many times faster ours is than that peer, or None."""
+        return self.lucky.query_ns / self.ours.query_ns if self.ours and self.lucky else None
+
+    @property
+    def hardest(self):
+        """The ratio to the fastest peer that was right on these queries, whatever it claims, or None."""
+        return self.beside_lucky or self.ratio
 
     @property
     def clear(self):
@@ -59,11 +76,13 @@ def apart(a, b):
 def winners(rows):
     found = []
     for (run, task, _, _, query_set, threads), group in groups(r for r in rows if not (r.hard or r.scaling)).items():
-        ours = fastest_exact(r for r in group if r.source == "ours")
-        peer = fastest_exact(r for r in group if r.source == "peer")
+        ours = fastest(r for r in group if r.source == "ours")
+        peers = [r for r in group if r.source == "peer"]
+        peer, lucky = fastest(peers), fastest(peers, right)
         if ours or peer:
             first = group[0]
-            found.append(Winner(task, first.dataset, first.size, query_set, threads, run, ours, peer))
+            lucky = lucky if lucky is not peer else None
+            found.append(Winner(task, first.dataset, first.size, query_set, threads, run, ours, peer, lucky))
     return found
 
 
@@ -75,36 +94,61 @@ def largest(found):
     return [w for w in found if w.size == top[w.task, w.dataset]]
 
 
-def mean_ratio(found):
+def mean_ratio(found, ratio=lambda w: w.ratio):
     """Geometric mean of the ratios, or None."""
-    ratios = [w.ratio for w in found if w.ratio]
+    ratios = [r for w in found if (r := ratio(w))]
     return exp(sum(map(log, ratios)) / len(ratios)) if ratios else None
 
 
-def table(rows):
-    """A short text table for the terminal: datasets at their largest size against query sets."""
+def table(rows, sizes=largest):
+    """A short text table for the terminal: datasets at their largest size (or all that `sizes` keeps) against query
+    sets."""
     lines = []
     for task in dict.fromkeys(r.task for r in rows):
-        found = largest([w for w in winners(rows) if w.task == task])
+        found = sizes([w for w in winners(rows) if w.task == task])
         if not found:
             continue
         sets = list(dict.fromkeys(w.query_set or "-" for w in found))
         body = {}
         for w in found:
             body.setdefault((w.dataset, w.size, w.threads, w.run), {})[w.query_set or "-"] = _cell(w)
-        lines += ["", f"{task}: the fastest right method, and ours / best peer in speed"]
+        lines += ["", f"{task}: the fastest method that promises exact answers, and ours / best such peer in speed"]
         lines += _aligned([["dataset", "n", *sets]] + [[name, count(size), *(cells.get(s, "-") for s in sets)]
                                                        for (name, size, _, _), cells in body.items()])  # fmt: skip
-        if (mean := mean_ratio(found)) is not None:
-            lines.append(f"  geometric mean: ours runs at {mean:.2f}x the speed of the best peer")
-    if any(w.ratio and not w.clear for w in winners(rows)):
+        lines += [f"  {text}" for text in means(found, "x")]
+    every = winners(rows)
+    if any(w.ratio and not w.clear for w in every):
         lines.append("  ~ no clear winner: the intervals of the repetitions overlap, or there was only one")
+    if any(w.beside_lucky for w in sizes(every)):
+        lines.append(f"  […] {LUCKY}")
+    if lines and (told := busy.warning(rows)):
+        lines.append(f"  busy: {told}")
     return "\n".join(lines).lstrip("\n")
 
 
+LUCKY = ("beside the fastest peer that had no error on these queries though it promises nothing for others: a faster "
+         "one than those that promise")  # fmt: skip
+
+
+def means(found, times):
+    """Sentences: geometric means of the ratios, by what peers promise."""
+    out = []
+    if (mean := mean_ratio(found)) is not None:
+        cells = sum(w.ratio is not None for w in found)
+        low, high = (pick(w.ratio for w in found if w.ratio) for pick in (min, max))
+        out.append(f"geometric mean of {cells} ({low:.2f} to {high:.2f}): ours runs at {mean:.2f}{times} the speed of the best "
+                   "peer that promises exact answers")  # fmt: skip
+    if any(w.beside_lucky for w in found):
+        mean = mean_ratio(found, lambda w: w.hardest)
+        cells = sum(w.hardest is not None for w in found)
+        out.append(f"of {cells}, with the peers that had no error here whatever they claim: {mean:.2f}{times}")
+    return out
+
+
 def _cell(w):
-    ratio = f" {w.ratio:.2f}x{'' if w.clear else '~'}" if w.ratio else " (no peer right)" if w.ours else " (ours none)"
-    return w.best.method + ratio
+    ratio = f" {w.ratio:.2f}x{'' if w.clear else '~'}" if w.ratio else " (no peer exact)" if w.ours else " (ours none)"
+    beside = f" [{w.lucky.method} {w.beside_lucky:.2f}x]" if w.beside_lucky else ""
+    return w.best.method + ratio + beside
 
 
 def _aligned(lines):
@@ -113,13 +157,16 @@ def _aligned(lines):
 
 
 def main(argv=None):
-    parser = argparse.ArgumentParser(prog="winners.py", description=__doc__)
+    parser = argparse.ArgumentParser(prog="winners.py", description=__doc__.partition("\n")[0])
     parser.add_argument("rows", nargs="+", metavar="ROWS.jsonl")
+    parser.add_argument("--all-sizes", action="store_true", help="every size of a dataset, not the largest alone")
+    arguments = parser.parse_args(argv)
     try:
-        read = reader.read(parser.parse_args(argv).rows)
+        read = reader.read(arguments.rows)
     except (OSError, reader.RowError) as error:
         parser.exit(2, f"winners: {error}\n")
-    print(table(list(read)) or "No row has a right answer with a time.")
+    told = table(list(read), list if arguments.all_sizes else largest)
+    print(told or "No row of a method that promises exact answers has a time.")
     return 0
 
 

@@ -9,11 +9,13 @@ namespace {
 void take_position(const Input& in, std::size_t line, const std::vector<std::string_view>& words,
                    std::size_t first, Checked& r) {
   if (words.size() < first + 3) in.fail_line(line, "a vertex needs three coordinates");
+  geometry::Vec3d& point = r.doubles.emplace_back();
   for (std::size_t k = first; k < first + 3; ++k) {
     const auto value = number<double>(words[k]);
     if (!value || !std::isfinite(*value)) in.fail_line(line, in_quotes(words[k]) + " is not a finite number");
     if (!r.coordinates.add(static_cast<int>(k - first), *value, number<float>(words[k]).value_or(0)))
       in.fail_line(line, in_quotes(words[k]) + " is beyond the range of float");
+    point[static_cast<int>(k - first)] = *value;
     r.text += (k > first ? " " : "");
     r.text += words[k];
   }

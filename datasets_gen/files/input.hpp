@@ -35,6 +35,8 @@ struct Raw {
   std::vector<geometry::Vec3d> points;
   std::vector<std::array<std::uint32_t, 3>> faces;
   bool is_mesh = false;
+  double rounded =
+      0;  // the farthest that the reader moved a coordinate of text that the file declares as float
   std::vector<std::string> notes;
 };
 
@@ -93,6 +95,11 @@ std::optional<T> number(std::string_view word) {
   return value;
 }
 
+/// Whether float has no finite number for x.
+inline bool beyond_float(double x) {
+  return std::isfinite(x) && std::abs(x) > static_cast<double>(std::numeric_limits<float>::max());
+}
+
 /// A word for an error message: short, and printable.
 inline std::string in_quotes(std::string_view word) {
   std::string r = "'";
@@ -116,7 +123,7 @@ struct Coordinates {
   bool add(int axis, double x, float rounded) {
     bits += bits_of(rounded);
     if (!std::isfinite(x)) return true;
-    if (std::abs(x) > std::numeric_limits<float>::max()) return false;
+    if (beyond_float(x)) return false;
     largest_error = std::max(largest_error, std::abs(x - static_cast<double>(rounded)));
     box.low[axis] = std::min(box.low[axis], x), box.high[axis] = std::max(box.high[axis], x);
     return true;

@@ -115,6 +115,31 @@ bool rounds_too_coarsely(const Coordinates& c) {
   return extent > 0 && c.largest_error > noted_rounding * extent;
 }
 
+std::string short_number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g", x);
+  return text;
+}
+
+/// What float made of the coordinates and what helps. `kept`: their doubles are kept beside the floats.
+std::string rounding_note(const Coordinates& c, bool kept, bool is_mesh) {
+  const auto sides = c.box.extent();
+  const double extent = std::max({sides[0], sides[1], sides[2]});
+  const std::string moved = "by up to " + short_number(c.largest_error) + " (" +
+                            short_number(c.largest_error / extent) + " of the extent)";
+  if (kept) return "float would move coordinates " + moved + ": they are kept as doubles";
+  std::string offset;
+  for (int k = 0; k < 3; ++k) {
+    char text[64];
+    std::snprintf(text, sizeof text, " %.0f", std::floor(c.box.low[k]));
+    offset += text;
+  }
+  return "coordinates were rounded to float, which moved them " + moved + ", since " +
+         (is_mesh ? "meshes are kept as floats. Subtract"
+                  : "the file declares floats. Declare doubles, or subtract") +
+         " an offset from all points, such as" + offset;
+}
+
 /// Rounds to float, and notes what got lost.
 std::vector<geometry::Vec3f> to_float(const Input& in, const Raw& raw, Coordinates& c, Dataset& to) {
   const bool measured = !c.box.empty();
@@ -128,17 +153,9 @@ std::vector<geometry::Vec3f> to_float(const Input& in, const Raw& raw, Coordinat
     if (!geometry::is_finite(r[i]) && odd++ == 0) first_odd = i;
   }
   if (odd > 0)
-    to.notes.push_back(std::to_string(odd) +
-                       " points have a coordinate that is not finite, the first is number " +
-                       std::to_string(first_odd));
-  const auto sides = c.box.extent();
-  const double extent = std::max({sides[0], sides[1], sides[2]});
-  if (rounds_too_coarsely(c)) {
-    char share[32];
-    std::snprintf(share, sizeof share, "%.1e", c.largest_error / extent);
-    to.notes.push_back(std::string("float rounds coordinates by up to ") + share + " of the extent");
-  }
-  to.rounding = c.largest_error;
+    to.notes.push_back((odd == 1 ? "1 point has" : std::to_string(odd) + " points have") +
+                       " a coordinate that is not finite" +
+                       (odd == 1 ? ": number " : ", the first is number ") + std::to_string(first_odd));
   return r;
 }
 
@@ -166,15 +183,20 @@ Dataset read(const std::filesystem::path& path) {
     in.fail("", "holds more than 2^32 - 2 points, or a third as many triangles");
 
   const bool holds_doubles = loaded.coordinates.box.empty();  // else the library rounded before we did
+  const std::vector<geometry::Vec3d>& doubles = holds_doubles ? raw.points : loaded.doubles;
   Dataset r;
   r.name = path.filename().string();
   r.notes = std::move(raw.notes);
   std::vector<geometry::Vec3f> points = files::to_float(in, raw, loaded.coordinates, r);
+  files::Coordinates& moved = loaded.coordinates;
+  const bool kept = !raw.is_mesh && !doubles.empty() && files::rounds_too_coarsely(moved);
+  moved.largest_error = std::max(moved.largest_error, raw.rounded);
+  if (files::rounds_too_coarsely(moved)) r.notes.push_back(files::rounding_note(moved, kept, raw.is_mesh));
+  r.rounding = moved.largest_error;
   if (!raw.is_mesh) {
     r.kind = Kind::cloud;
     r.cloud.points = std::move(points);
-    if (files::rounds_too_coarsely(loaded.coordinates))
-      r.precise.points = std::move(holds_doubles ? raw.points : loaded.doubles);  // these may be none
+    if (kept) r.precise.points = doubles;
     return r;
   }
   if (raw.faces.empty()) in.fail("", "holds no triangle");

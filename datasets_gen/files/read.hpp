@@ -8,8 +8,10 @@
 //
 // Polygons become fans of triangles. Each format is checked here first, structure and counts against the size
 // of the file, because the libraries stop early, guess, or allocate what a header says; then what they read
-// is counted again. Coordinates that are not finite are kept where the format can hold them, and noted;
-// double coordinates that float rounds by more than 1e-6 of the extent are noted.
+// is counted again. Coordinates that are not finite are kept where the format can hold them, and noted.
+// Coordinates that float rounds by more than 1e-6 of the extent are noted with the largest rounding. Of
+// clouds their doubles are kept (Dataset::precise), except where the file declares floats and its text has
+// more digits than these hold; meshes are floats here. A finite one beyond the range of float is refused.
 #pragma once
 
 #include <filesystem>

@@ -107,6 +107,8 @@ Raw read_pcd(const Input& in) {
   if (counts && entry("COUNT").size() != fields.size())
     in.fail_line(h.lines.at("COUNT"), "FIELDS and COUNT differ in length");
   std::uint64_t point_bytes = 0, point_words = 0;
+  std::vector<std::pair<std::size_t, bool>> axis_words;  // which of a point's, and whether it is a float
+  double rounded = 0;                                    // the farthest that float moves one of text
   unsigned axes = 0;
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const std::uint64_t size = natural("SIZE", sizes[i]),
@@ -123,6 +125,7 @@ Raw read_pcd(const Input& in) {
         in.fail_line(h.lines.at("TYPE"),
                      "the field " + std::string(fields[i]) + " must be one float or double");
       axes += 1u << (4 * (fields[i][0] - 'x'));
+      axis_words.emplace_back(point_words - 1, size == 4);
     }
   }
   if (axes != 0x111) in.fail_line(h.lines.at("FIELDS"), "the fields x, y and z must be there, each once");
@@ -155,6 +158,12 @@ Raw read_pcd(const Input& in) {
         in.fail_line(at, std::to_string(w.size()) + " values for a point of " + std::to_string(point_words));
       for (const auto word : w)
         if (!number<double>(word)) in.fail_line(at, in_quotes(word) + " is not a number");
+      for (const auto& [word, is_float] : axis_words) {
+        const double value = *number<double>(w[word]);
+        if (beyond_float(value)) in.fail_line(at, in_quotes(w[word]) + " is beyond the range of float");
+        if (is_float && std::isfinite(value))
+          rounded = std::max(rounded, std::abs(value - double(*number<float>(w[word]))));
+      }
     }
     if (found < n)
       in.fail_line(h.line + lines.number(),
@@ -191,6 +200,7 @@ Raw read_pcd(const Input& in) {
   if (xyz.size() != 3 * n)
     in.fail("", "PCL read " + std::to_string(xyz.size() / 3) + " of " + std::to_string(n) + " points");
   Raw r;
+  r.rounded = rounded;
   r.points.resize(n);
   for (std::size_t i = 0; i < n; ++i) r.points[i] = {xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]};
   return r;

@@ -100,8 +100,14 @@ Raw read_xyz(const Input& in) {
       if (!number<double>(w[0])) {  // a header, or wrong
         std::size_t axes = 0;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-          const auto it = std::ranges::find_if(w, [&](auto word) { return is_axis(word, axis); });
-          if (it != w.end()) column[axis] = static_cast<std::size_t>(it - w.begin()), ++axes;
+          const auto named_so = [&](auto word) { return is_axis(word, axis); };
+          const auto it = std::ranges::find_if(w, named_so);
+          if (it == w.end()) continue;
+          column[axis] = static_cast<std::size_t>(it - w.begin()), ++axes;
+          if (const auto second = std::find_if(it + 1, w.end(), named_so); second != w.end())
+            in.fail_line(at, std::string("two columns are called ") + char('x' + axis) + ", fields " +
+                                 std::to_string(it - w.begin() + 1) + " and " +
+                                 std::to_string(second - w.begin() + 1));
         }
         named = axes == 3;
         if (named) continue;
@@ -129,6 +135,7 @@ Raw read_xyz(const Input& in) {
              (separator == ',' && w[c].find_first_of(blanks) != std::string_view::npos
                   ? "; commas separate the fields of this file, and decimal commas are not read"
                   : ""));
+      if (beyond_float(*value)) fail(in_quotes(w[c]) + " is beyond the range of float");
       p[axis] = *value;
     }
     if (!named && width > 3) ids.add(w[0]);

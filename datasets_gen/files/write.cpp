@@ -40,9 +40,8 @@ class Sink {
     *this << std::string_view(bytes, sizeof value);
   }
   template <class Point>
-  void line(std::string_view start, const Point& p) {
-    *this << start << p[0] << std::string_view(" ") << p[1] << std::string_view(" ") << p[2]
-          << std::string_view("\n");
+  void line(std::string_view start, const Point& p, std::string_view separator = " ") {
+    *this << start << p[0] << separator << p[1] << separator << p[2] << std::string_view("\n");
   }
 
  private:
@@ -56,20 +55,31 @@ const std::vector<geometry::Vec3f>& points_of(const Dataset& d) {
   return d.kind == Kind::cloud ? d.cloud.points : d.mesh.vertices;
 }
 
+/// Calls put(points) with the doubles of a dataset that has them, else with its floats.
+template <class Put>
+void with_points(const Dataset& d, const Put& put) {
+  d.precise.size() > 0 ? put(d.precise.points) : put(points_of(d));
+}
+
 void write_ply(const Dataset& d, Sink& to) {
+  const std::string_view type = d.precise.size() > 0 ? "double" : "float";
   to << "ply\nformat binary_little_endian 1.0\ncomment treeline " << d.name << " seed " << std::size_t{d.seed}
-     << "\nelement vertex " << points_of(d).size()
-     << "\nproperty float x\nproperty float y\nproperty float z\n";
+     << "\nelement vertex " << points_of(d).size() << "\n";
+  for (const std::string_view axis : {"x", "y", "z"}) to << "property " << type << " " << axis << "\n";
   if (d.kind == Kind::mesh)
     to << "element face " << d.mesh.faces.size() << "\nproperty list uchar uint vertex_indices\n";
   to << "end_header\n";
-  for (const auto& p : points_of(d)) to.raw(p);
+  with_points(d, [&](const auto& points) {
+    for (const auto& p : points) to.raw(p);
+  });
   for (const auto& f : d.mesh.faces) to.raw(std::uint8_t{3}), to.raw(f);
 }
 
 void write_obj(const Dataset& d, Sink& to) {
   to << "# treeline " << d.name << " seed " << std::size_t{d.seed} << "\n";
-  for (const auto& p : points_of(d)) to.line("v ", p);
+  with_points(d, [&](const auto& points) {
+    for (const auto& p : points) to.line("v ", p);
+  });
   for (const auto& f : d.mesh.faces)
     to << "f " << std::size_t{f[0]} + 1 << " " << std::size_t{f[1]} + 1 << " " << std::size_t{f[2]} + 1
        << "\n";
@@ -78,15 +88,25 @@ void write_obj(const Dataset& d, Sink& to) {
 void write_pcd(const Dataset& d, Sink& to) {
   const std::size_t n = d.cloud.size();
   to << "# .PCD v0.7 - treeline " << d.name << " seed " << std::size_t{d.seed}
-     << "\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " << n
-     << "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " << n << "\nDATA binary\n";
-  for (const auto& p : d.cloud.points) to.raw(p);
+     << "\nVERSION 0.7\nFIELDS x y z\nSIZE " << (d.precise.size() > 0 ? "8 8 8" : "4 4 4")
+     << "\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " << n << "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " << n
+     << "\nDATA binary\n";
+  with_points(d, [&](const auto& points) {
+    for (const auto& p : points) to.raw(p);
+  });
 }
 
 void write_xyz(const Dataset& d, Sink& to) {
-  for (const auto& p : d.precise.points) to.line("", p);
-  if (d.precise.size() == 0)
-    for (const auto& p : d.cloud.points) to.line("", p);
+  with_points(d, [&](const auto& points) {
+    for (const auto& p : points) to.line("", p);
+  });
+}
+
+void write_csv(const Dataset& d, Sink& to) {
+  to << "x,y,z\n";
+  with_points(d, [&](const auto& points) {
+    for (const auto& p : points) to.line("", p, ",");
+  });
 }
 
 /// Makes an empty file beside `path`, under a name that nothing had.
@@ -115,14 +135,13 @@ void write(const Dataset& dataset, const std::filesystem::path& path, bool overw
   if (extension == ".obj") writer = write_obj;
   if (extension == ".pcd" && cloud) writer = write_pcd;
   if (extension == ".xyz" && cloud) writer = write_xyz;
-  if (dataset.precise.size() > 0 && writer && writer != write_xyz)
-    throw FileError(path, "", "holds coordinates that float cannot; such clouds are written as .xyz");
+  if (extension == ".csv" && cloud) writer = write_csv;
   if (dataset.kind == Kind::vectors) throw FileError(path, "", "vectors have no file format here");
   if (!writer)
-    throw FileError(
-        path, "",
-        cloud ? "clouds are written as .ply, .obj, .pcd or .xyz" : "meshes are written as .ply or .obj");
-  if (writer == write_obj || writer == write_xyz)
+    throw FileError(path, "",
+                    cloud ? "clouds are written as .ply, .obj, .pcd, .xyz or .csv"
+                          : "meshes are written as .ply or .obj");
+  if (writer == write_obj || writer == write_xyz || writer == write_csv)
     for (std::size_t i = 0; i < points_of(dataset).size(); ++i)
       if (!geometry::is_finite(points_of(dataset)[i]))
         throw FileError(path, "point " + std::to_string(i),

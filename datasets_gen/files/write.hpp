@@ -2,8 +2,9 @@
 //   .ply  meshes and clouds, binary, bit for bit
 //   .obj  meshes and clouds, text; shortest decimals that read back as the same floats
 //   .pcd  clouds, binary, bit for bit
-//   .xyz  clouds, text, as .obj; where the dataset has doubles, these
-// Clouds that float cannot hold are written as .xyz only.
+//   .xyz  clouds, text, as .obj
+//   .csv  clouds, text, the same behind a line that names the columns: x,y,z
+// Clouds that float cannot hold are written as doubles in each of these.
 #pragma once
 
 #include "datasets_gen/files/read.hpp"

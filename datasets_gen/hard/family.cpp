@@ -12,7 +12,8 @@ std::vector<HardCase> hard_cases() {
   for (const auto family :
        {hard::ties_duplicates, hard::lines_planes_outliers, hard::degenerate_triangles, hard::far_from_origin,
         hard::edge_vertex_rays, hard::axis_parallel_rays, hard::nan_infinity, hard::empty_one_kn,
-        hard::float_range, hard::radius_borders, hard::grazing_rays, hard::self_intersection, hard::box_rays})
+        hard::float_range, hard::radius_borders, hard::grazing_rays, hard::self_intersection, hard::box_rays,
+        hard::closest_points})
     for (HardCase& c : family()) all.push_back(std::move(c));
   return all;
 }

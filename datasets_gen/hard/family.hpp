@@ -20,6 +20,7 @@ std::vector<HardCase> radius_borders();
 std::vector<HardCase> grazing_rays();
 std::vector<HardCase> self_intersection();
 std::vector<HardCase> box_rays();
+std::vector<HardCase> closest_points();
 
 // ---- points --------------------------------------------------------------------------------------------
 

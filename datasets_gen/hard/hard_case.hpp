@@ -46,7 +46,12 @@ struct HardCase {
   bool from_inside = false;       // every ray starts inside the closed mesh: each must hit
   std::vector<RaysOut> outward;   // instead of rays: the smallest offset that no ray hits at is sought
 
-  bool for_points() const { return mesh.faces.empty() && rays.empty(); }
+  // For the task closest_point: a mesh, and points whose nearest on it is asked for.
+  std::vector<geometry::Vec3f> probes;
+
+  bool for_rays() const { return !rays.empty() || !outward.empty(); }
+  bool for_closest_points() const { return !probes.empty(); }
+  bool for_points() const { return !for_rays() && !for_closest_points(); }
 };
 
 /// All cases of all families; deterministic.

@@ -155,12 +155,12 @@ TYPED_TEST(PointLimits, DistanceAndNumberOnEveryScale) {
         tree->within(q, reach, {.sorted = true, .at_most = k}, within, work);
         ASSERT_EQ(within, truth);
       }
-      // Nothing beyond, and nothing nearer left out.
-      const Wide error = distance2_error<T, 3> + geometry::tolerance::gamma<T>(2);
+      // Nothing beyond by more than rounding, and nothing within left out.
+      const Wide error = 2 * geometry::tolerance::gamma<T>(3 + 3);
       const Wide square = Wide(reach) * Wide(reach), least = std::numeric_limits<T>::denorm_min();
       const auto all = ranked(points, q);
       const auto inside = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), [&](const auto& p) {
-        return p.first < square * (1 - error) - least * least;
+        return p.first < square * (1 - 8 * std::numeric_limits<Wide>::epsilon());
       }));
       EXPECT_GE(truth.size(), std::min(k, inside));
       for (std::size_t j = 0; j < truth.size(); ++j) {

@@ -191,8 +191,11 @@ TEST(TriangleBuilders, RefuseOptionsWithoutMeaning) {
     EXPECT_THROW((void)builder.build(triangles, options), InvalidInput);
     options = {}, options.largest_leaf = 0;
     EXPECT_THROW((void)builder.build(triangles, options), InvalidInput);
-    options = {}, options.node_cost = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_THROW((void)builder.build(triangles, options), InvalidInput);
+    for (const double cost :
+         {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1.0, 0.0}) {
+      options = {}, options.node_cost = cost;
+      EXPECT_THROW((void)builder.build(triangles, options), InvalidInput) << cost;
+    }
     options = {}, options.threads = 0;
     EXPECT_THROW((void)builder.build(triangles, options), InvalidInput);
   }

@@ -10,6 +10,7 @@ namespace {
 template <class Tree>
 class WideRefit : public testing::Test {};
 using Trees = testing::Types<Bvh<Triangles<float, Watertight>, accel::Wide>,
+                             Bvh<Triangles<float, Watertight>, WideOf<4, 4>>,
                              Bvh<Triangles<float, geometry::Exact>, WideOf<16, 8>>>;
 TYPED_TEST_SUITE(WideRefit, Trees);
 

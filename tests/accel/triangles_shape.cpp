@@ -46,6 +46,82 @@ TYPED_TEST(TriangleShape, RefusesWhatIsNotFiniteByIndexOrDropsIt) {
   EXPECT_NE(refusal([&] { TypeParam(sphere<T>(1), options); }).find("leaf_size"), std::string::npos);
 }
 
+template <class Tree>
+concept HasCosts = requires(typename Tree::Options& options) {
+  options.step_cost;
+};
+
+TYPED_TEST(TriangleShape, RefusesCostsWithoutMeaning) {
+  using T = typename TypeParam::Scalar;
+  if constexpr (HasCosts<TypeParam>) {
+    for (const double cost :
+         {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1.0, 0.0}) {
+      typename TypeParam::Options options;
+      options.step_cost = cost;
+      EXPECT_NE(refusal([&] { TypeParam(sphere<T>(1), options); }).find("step_cost"), std::string::npos);
+      if constexpr (requires { options.oblique_cost; }) {
+        options = {}, options.oblique_cost = cost;
+        EXPECT_NE(refusal([&] { TypeParam(sphere<T>(1), options); }).find("oblique_cost"), std::string::npos);
+      }
+      if (cost == 0) continue;
+      options = {}, options.empty_bonus = cost;
+      EXPECT_NE(refusal([&] { TypeParam(sphere<T>(1), options); }).find("empty_bonus"), std::string::npos);
+    }
+  }
+}
+
+// 8000 needles of no area, each across the whole scene: rays must not notice, points do.
+TYPED_TEST(TriangleShape, TrianglesOfNoAreaCostRaysNothing) {
+  using T = typename TypeParam::Scalar;
+  if (std::is_same_v<TypeParam, BruteForce<Triangles<T>>>) GTEST_SKIP() << "too slow";
+  const Mesh<T> ball = sphere<T>(4);
+  std::vector<Triangle<T>> triangles = triangles_of(ball);
+  const std::size_t whole = triangles.size();
+  Pcg32 random(151);
+  for (int i = 0; i < 8000; ++i) {
+    const Vec<T, 3> a = in_cube(random, T(1.5)), b = in_cube(random, T(1.5));
+    triangles.push_back(i % 2 ? Triangle<T>{a, b, b} : Triangle<T>{a, a, b});
+  }
+  const TypeParam tree(triangles), alone(ball);
+  EXPECT_EQ(tree.size(), whole);
+  EXPECT_EQ(tree.stats().dropped, 8000u);
+  EXPECT_EQ(tree.stats().references, alone.stats().references);
+  Work with, without;
+  for (int i = 0; i < 500; ++i) {
+    const Ray<T> ray{in_cube(random, T(2)), in_cube(random, T(1))};
+    ASSERT_TRUE(tree.closest_hit(ray, with) == alone.closest_hit(ray, without));
+  }
+  EXPECT_LT(with.nodes + with.primitives, 2 * (without.nodes + without.primitives));
+  EXPECT_EQ(tree.contains({0, 0, 0}), true);
+  const auto& needle = triangles.back();
+  const auto found = tree.closest_point(needle.a);
+  EXPECT_EQ(found.distance2, T(0));
+  EXPECT_EQ(found.primitive, triangles.size() - 1);
+}
+
+// Moved to where floats are finest, a mesh far away costs what it costs at the origin.
+TYPED_TEST(TriangleShape, AMeshFarAwayCostsWhatItCostsAtTheOrigin) {
+  using T = typename TypeParam::Scalar;
+  if (std::is_same_v<TypeParam, BruteForce<Triangles<T>>>) GTEST_SKIP() << "tests every triangle anyway";
+  const auto touched = [](const Vec<T, 3>& centre) {
+    const Mesh<T> mesh = sphere<T>(6, centre, T(20));  // 32768 faces, of 0.4
+    const TypeParam tree(mesh);
+    Work rays, points;
+    Pcg32 random(152);
+    for (int i = 0; i < 300; ++i) {
+      const Vec<T, 3> at = centre + in_cube(random, T(10));
+      EXPECT_TRUE(tree.closest_hit({at, in_cube(random, T(1))}, rays));
+      (void)tree.closest_point(at, T(1000), points);
+    }
+    return std::pair(double(rays.nodes + rays.primitives), double(points.nodes + points.primitives));
+  };
+  const auto [rays, points] = touched({});
+  const T far = std::is_same_v<T, float> ? T(1e6) : T(1e14);
+  const auto [far_rays, far_points] = touched({far, far * T(4), far / T(2)});
+  EXPECT_LT(far_rays, 1.5 * rays);
+  EXPECT_LT(far_points, 1.5 * points);
+}
+
 TYPED_TEST(TriangleShape, RefusesQueriesWithoutAnswer) {
   using T = typename TypeParam::Scalar;
   const TypeParam tree(sphere<T>(1));

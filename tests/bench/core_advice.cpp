@@ -73,6 +73,17 @@ TEST(AdviceProgram, FailsIfOursAnswersWronglyThoughAnotherMeetsTheTolerance) {
   EXPECT_NE(run.err.find("failures of ours"), std::string::npos) << run.err;
 }
 
+// The report's advice asks about the sets that rows name, which are those that --advise asks about.
+TEST(AdviceProgram, RowsSayWhichSetsItAsks) {
+  const TemporaryFolder folder;
+  run_fake("--dataset counting:1000 --rows " + (folder / "rows") + quickly);
+  run_fake("--scaling --rows " + (folder / "threads") + quickly);
+  ASSERT_FALSE(read_rows(folder / "rows").empty());
+  ASSERT_FALSE(read_rows(folder / "threads").empty());
+  for (const Json& row : read_rows(folder / "rows")) EXPECT_EQ(row["advised"], true) << row;
+  for (const Json& row : read_rows(folder / "threads")) EXPECT_EQ(row["advised"], false) << row;
+}
+
 // ---- on rows made by hand ------------------------------------------------------------------------------
 
 Row rung_row(const std::string& method, const std::string& set, double ns, double error) {
@@ -171,6 +182,25 @@ TEST(Advice, TellsTheIntervalAndWhatIsAsFast) {
   EXPECT_NE(line_with(text, "cost").find("100 ns [90, 120]"), std::string::npos) << text;
   EXPECT_NE(line_with(text, "close").find("near at 110 ns [105, 130]"), std::string::npos) << text;
   EXPECT_EQ(text.find("far"), std::string::npos) << text;
+}
+
+// On a tiny input everything is as fast as everything else; a screen of that would hide the advice.
+TEST(Advice, NamesAFewOfWhatIsAsFastAndCountsTheRest) {
+  std::vector<Row> rows;
+  for (int i = 0; i < 7; ++i)
+    rows.push_back(with_interval(rung_row("m" + std::to_string(i), "a", 100 + i, 0), 90, 120));
+  const auto closes = [&] {
+    std::vector<std::string> out;
+    for (const auto& line : lines_of(format_advice(advise(FakeTask(), rows, {"a"}, 0.1), 0.1, "")))
+      if (line.starts_with("  close")) out.push_back(line);
+    return out;
+  };
+  ASSERT_EQ(closes().size(), 5u);
+  EXPECT_EQ(closes().back(), "  close  2 more rungs meet it, too");
+  rows.pop_back();
+  EXPECT_EQ(closes().back(), "  close  1 more rung meets it, too");
+  rows.pop_back();
+  EXPECT_EQ(closes().size(), 4u);
 }
 
 TEST(Advice, IntervalsOfSeveralSetsAddUp) {

@@ -1,6 +1,7 @@
 #include "core_fake_task.hpp"
 
 #include <signal.h>
+#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include <new>
 #include <thread>
 
+#include "bench/core/isolation.hpp"
 #include "datasets_gen/hard/hard_case.hpp"
 
 namespace treeline::bench {
@@ -54,6 +56,15 @@ constexpr std::size_t bytes_per_element = 64;  // that a build keeps, for the co
 bool in_stress() { return std::getenv("FAKE_WILD") != nullptr; }
 
 void segfault() { raise(SIGSEGV); }
+
+const pid_t first_process = getpid();
+
+/// As much as brings TBB's workers; tells how many threads there are then.
+void work_in_threads() {
+  if (!std::getenv("FAKE_THREADS")) return;
+  tbb::parallel_for(0, 64, [](int) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
+  std::fprintf(stderr, "threads: %d\n", thread_count());
+}
 
 [[gnu::noinline]] void devour() {
   std::vector<std::unique_ptr<char[]>> all;
@@ -197,6 +208,9 @@ std::vector<BlockSpec> FakeTask::hard_blocks() const {
 std::vector<BlockSpec> FakeTask::scaling_blocks(Profile) const { return {{"counting", 100}}; }
 
 std::unique_ptr<Block> FakeTask::open(const BlockSpec& spec, const RunContext& context) const {
+  if (std::getenv("FAKE_UNOPENED") && spec.dataset == hard_blocks().front().dataset)
+    throw std::runtime_error("no way in");
+  if (getpid() == first_process) work_in_threads();
   return std::make_unique<FakeBlock>(*this, spec.hard ? 50 : spec.n, context.seed,
                                      spec.hard && std::getenv("FAKE_OURS_REFUSE"));
 }

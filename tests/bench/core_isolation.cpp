@@ -56,6 +56,17 @@ TEST(Isolation, ReasonEndsWithTheLastOfStderr) {
   EXPECT_LT(r.ending.reason.size(), 260u);
 }
 
+TEST(Isolation, AFailedAssertionIsCalledOne) {
+  const auto r = isolated([](const Send&) {
+    std::signal(SIGABRT, SIG_DFL);
+    std::fputs("bench: scene.cpp:7: void cast(): Assertion `valid(ray)' failed.\n", stderr);  // as glibc does
+    std::abort();
+  });
+  EXPECT_EQ(r.ending.status, Status::crashed);
+  EXPECT_TRUE(r.ending.reason.starts_with("an assertion that its package was built with failed, signal 6"))
+      << r.ending.reason;
+}
+
 TEST(Isolation, TimeLimitIsPerStep) {
   const auto slow_but_steady = isolated(
       [](const Send& send) {

@@ -22,6 +22,7 @@
 #include "bench/core/row.hpp"
 #include "core_known_failures.hpp"
 #include "datasets_gen/hard/hard_case.hpp"
+#include "datasets_gen/hard/hard_insides.hpp"
 #include "datasets_gen/hard/hard_rows.hpp"
 
 namespace treeline::bench {
@@ -33,12 +34,19 @@ constexpr bool hold_peers = false;  // sanitizers turn their wrong answers into 
 constexpr bool hold_peers = true;
 #endif
 
+std::string text_of(const std::string& file) {
+  std::ostringstream out;
+  out << std::ifstream(file).rdbuf();
+  return out.str();
+}
+
 std::vector<Row> stress_rows(const std::string& program, const std::string& file) {
   const std::string command =
       "'" + program + "' --stress --rows '" + file + "' >/dev/null 2>'" + file + ".err'";
   const int status = std::system(command.c_str());
-  if (!WIFEXITED(status) || WEXITSTATUS(status) > 1) {
-    std::cerr << std::ifstream(file + ".err").rdbuf();
+  const std::string said = text_of(file + ".err");
+  if (!WIFEXITED(status) || WEXITSTATUS(status) > 1 || said.find("cannot be opened") != std::string::npos) {
+    std::cerr << said;
     throw std::runtime_error(program + " --stress did not work");
   }
   std::vector<Row> out;
@@ -53,6 +61,8 @@ std::set<std::string> cases_that_may_be_refused() {
   for (const datasets::HardCase& hard : datasets::hard_cases())
     if (hard.expect == datasets::Expect::answers_or_refuses) out.insert(hard.name);
   for (const datasets::HardRows& hard : datasets::hard_rows())
+    if (hard.expect == datasets::Expect::answers_or_refuses) out.insert(hard.name);
+  for (const datasets::HardInside& hard : datasets::hard_insides())
     if (hard.expect == datasets::Expect::answers_or_refuses) out.insert(hard.name);
   return out;
 }

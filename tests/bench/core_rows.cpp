@@ -15,7 +15,8 @@ const char* const fields[] = {"schema",       "task",         "block",         "
                               "query_ns",     "query_ns_low", "query_ns_high", "query_cpu_ns", "samples",
                               "bytes",        "error",        "error_max",     "error_p99",    "error_mean",
                               "bias",         "error_floor",  "isa",           "flags",        "compiler",
-                              "cpu",          "host",         "commit",        "time",         "input_bytes"};
+                              "cpu",          "host",         "commit",        "time",         "input_bytes",
+                              "advised"};
 
 Row full_row() {
   Row r;
@@ -23,7 +24,8 @@ Row full_row() {
   r.dataset_hash = format_hash(0xab);
   r.method = "kd", r.family = "kd", r.source = Source::peer, r.peer_version = "1.2", r.claim = Claim::bounded;
   r.build_knobs = {{"leaf", 8}, {"split", "sah"}}, r.query_knobs = {{"eps", 0.5}, {"exact", false}};
-  r.query_set = "knn8", r.queries = 7, r.threads = 2, r.status = Status::wrong, r.reason = "q 3";
+  r.query_set = "knn8", r.advised = true, r.queries = 7, r.threads = 2, r.status = Status::wrong,
+  r.reason = "q 3";
   r.build_s = 0.5, r.query_ns = 100, r.query_ns_low = 90, r.query_ns_high = 120, r.query_cpu_ns = 99;
   r.samples = {90, 100, 120}, r.bytes = 4096, r.input_bytes = 1200;
   r.errors = {1e-3, 2e-3, 1.5e-3, 1e-4, -1e-5, 1e-9, false, "q 3", {{"fake_recall", 0.9}}};

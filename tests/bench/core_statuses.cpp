@@ -140,6 +140,22 @@ TEST(Statuses, OursMustAnswerUnlessTheCaseAllowsToRefuse) {
   EXPECT_EQ(run_fake("--stress --block 2", "FAKE_OURS_REFUSE=1").status, 0);
 }
 
+TEST(Statuses, ACaseThatCannotBeOpenedIsNamedAndEndsNoOther) {
+  const TemporaryFolder folder;
+  const auto run = run_fake("--stress --rows " + (folder / "rows"), "FAKE_UNOPENED=1");
+  EXPECT_EQ(run.status, 1);
+  EXPECT_NE(run.err.find("cannot be opened"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("no way in"), std::string::npos) << run.err;
+  EXPECT_FALSE(read_rows(folder / "rows").empty());  // of the second case
+}
+
+// A child that is forked from a process with TBB's workers may wait for one that it does not have.
+TEST(Statuses, OpeningACaseStartsNoThreadsThatChildrenWouldMiss) {
+  const auto run = run_fake("--stress --benchmark_filter=/exact/", "FAKE_THREADS=1");
+  EXPECT_NE(run.err.find("threads: 1\n"), std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find("threads: 2\n"), std::string::npos) << run.err;
+}
+
 TEST(Statuses, OursWrongFailsTheRun) {
   EXPECT_EQ(run_fake("--dataset squares" + quickly).status, 0);
   const auto run = run_fake("--profile smoke", "FAKE_OURS_WRONG=1");

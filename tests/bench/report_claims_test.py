@@ -8,7 +8,7 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
 import report_fixture as fixture
-from bench.report import claims, ledger, model, rays, rows
+from bench.report import claims, ledger, model, page, pieces, rays, rows
 from report_made import METHOD, made, read, read_text
 
 BVH, BSP = ("bvh", "bvh", "ours", "exact"), ("bsp_tree", "bsp", "ours", "exact")
@@ -129,7 +129,7 @@ def ray(method, ns=100.0, dataset="icosphere", n=1000, query_set="camera", hard=
     """A row of the task ray."""
     block = f"hard/{dataset}" if hard else f"{dataset}:{n}"
     figures = {"query_ns": ns, "error": 0.0, "error_floor": 1e-7, "build_s": 1.0, "bytes": 1000}
-    return fixture.row("ray", block, dataset, n, method, query_set, build or {}, {}, status="ok", **(figures | values))
+    return fixture.row("ray", block, dataset, n, method, query_set, build or {}, {}, **({"status": "ok"} | figures | values))
 
 
 KD_RAY, BVH_RAY, BSP_RAY = (m for m in (("kd_tree", "kd", "ours", "bounded"), ("bvh", "bvh", "ours", "bounded"),
@@ -153,6 +153,17 @@ class RayClaims(unittest.TestCase):
         self.assertEqual(v.word, claims.ONLY_IF)
         self.assertIn(claims.PLACES["coherent"], v.condition)
         self.assertNotIn(claims.PLACES["scattered"], v.condition)
+
+    def test_s3_takes_closest_points_too(self):
+        def trees(task, sets, bvh):
+            return [ray(m, t, query_set=s, build={"leaf_size": 8}) | {"task": task} for s in sets
+                    for m, t in ((KD_RAY, 200), (BSP_RAY, 300), (BVH_RAY, bvh))]  # fmt: skip
+
+        rows = trees("ray", ("camera",), 100) + trees("closest_point", ("near", "far"), 400)
+        v = self.verdict("S3", rows)
+        self.assertEqual(v.word, claims.ONLY_IF)
+        self.assertEqual(len(v.figures), 6)  # two contests: rays, queries near the mesh and away from it
+        self.assertNotIn(claims.PLACES["surface"], v.condition)
 
     def test_s4_takes_cost_apart(self):
         def costs(seconds, bytes):
@@ -219,6 +230,24 @@ class RayFigures(unittest.TestCase):
         self.assertIn("16.5k", rays.hard_table(task))
         self.assertEqual(rays.hard_table(self.task(ray(BVH_RAY))), "")
 
+    def test_a_ray_that_goes_through_to_what_lies_behind_has_not_missed_yet_it_errs(self):
+        case = lambda name, **values: ray(EMBREE, dataset=name, hard=True, query_set="closest", ray_judged=1000,
+                                          **({"ray_missing": 0, "ray_false_misses": 0} | values))  # fmt: skip
+        crash = ray(EMBREE, None, dataset="nan", hard=True, query_set="closest", status="crashed")
+        _, lines, clean = rays.hard_lines(self.task(case("far", ray_false_misses=36), case("easy"), case("nan"), crash))
+        self.assertEqual([(c, words, *values.values()) for c, words, values, _ in lines], [("far", "what lies behind", "36k")])
+        self.assertEqual(clean, ["easy"], "a crash is no answer without an error")
+        self.assertEqual([rays.share(v) for v in (0, 999, 10_000, 999_400, 1e6)], ["0", "999", "10k", "999k", "all"])
+
+    def test_methods_that_agree_share_a_curve(self):
+        out = lambda method, offset, hits: ray(method, dataset="ball", hard=True, query_set=f"offset_{offset}",
+                                               ray_self_hits_per_million=hits)  # fmt: skip
+        alike = [out(BVH_RAY, "0", 521_600.0), out(EMBREE, "0", 522_600.0), out(BVH_RAY, "1e-6", 0.0), out(EMBREE, "1e-6", 0.0)]
+        (methods, curve), = rays.offset_curves(self.task(*alike))
+        self.assertEqual((methods, curve), (["bvh", "embree_single"], {0.0: 521_600.0, 1e-6: 0.0}))
+        self.assertIn("one line stands for all", rays.offset_note(self.task(*alike)))
+        self.assertEqual(len(rays.offset_curves(self.task(*alike, out(KD_RAY, "0", 400_000.0)))), 2)
+
     def test_the_smallest_offset_without_a_self_hit(self):
         out = lambda method, offset, hits: ray(method, dataset="ball", hard=True, query_set=f"offset_{offset}",
                                                ray_self_hits_per_million=hits)  # fmt: skip
@@ -226,6 +255,14 @@ class RayFigures(unittest.TestCase):
                          out(EMBREE, "0", 5e5), out(EMBREE, "1e-7", 300.0), out(EMBREE, "1e-6", 0.0))  # fmt: skip
         self.assertIn("1e-07 for bvh; 1e-06 for embree_single", rays.offset_note(task))
         self.assertIsNotNone(rays.offset_chart(task))
+        built = lambda builder, offset, hits: ray(BVH_RAY, dataset="ball", hard=True, query_set=f"offset_{offset}",
+                                                  build={"builder": builder}, ray_self_hits_per_million=hits)  # fmt: skip
+        alike = self.task(built("a", "0", 5e5), built("b", "0", 5e5), built("a", "1e-6", 0.0), built("b", "1e-6", 0.0),
+                          out(EMBREE, "1e-6", 0.0))  # fmt: skip
+        self.assertIn("1e-06 for all.", rays.offset_note(alike))
+        apart = self.task(built("a", "1e-7", 0.0), built("b", "1e-7", 5.0), built("b", "1e-6", 0.0), out(EMBREE, "1e-6", 7.0))
+        self.assertIn("1e-07 for bvh, builder a; 1e-06 for bvh, builder b; none of these for embree_single",
+                      rays.offset_note(apart))  # fmt: skip
         self.assertIsNone(rays.offset_chart(self.task(ray(BVH_RAY))))
 
     def test_rebuilding_pays_once_it_saves_more_than_it_costs(self):
@@ -236,6 +273,27 @@ class RayFigures(unittest.TestCase):
             task = self.task(frame("refit", *refit), frame("rebuilt", *rebuilt))
             self.assertIn(words.replace("100,000", "1e5"), rays.moving_table(task).replace("100,000", "1e5"))
             self.assertIsNotNone(rays.moving_chart(task))
+
+    def test_the_page_keeps_its_title_where_there_are_charts_of_rays(self):
+        frame = lambda kind: ray(EMBREE, query_set=f"frame8_{kind}", ray_update_s=0.1)
+        text = page.build(read(frame("refit"), frame("rebuilt")), [])
+        self.assertIn("<h1>Treeline: speed against accuracy</h1>", text)
+        self.assertIn("cells of the task ray.", text)
+        self.assertIn('id="ray-moving"', text)
+
+    def test_crashes_that_are_assertions_are_told_apart(self):
+        case = lambda reason: ray(EMBREE, None, dataset="nan_rays", hard=True, query_set="closest", status="crashed",
+                                  reason=reason)  # fmt: skip
+        told = lambda reason: "are assertions" in pieces.matrix_table(self.task(case(reason)))
+        self.assertTrue(told("an assertion that its package was built with failed, signal 6 (Aborted)"))
+        self.assertFalse(told("signal 11 (Segmentation fault)"))
+
+    def test_a_refit_that_was_not_asked_for_is_not_called_missing(self):
+        for reason, words in (("not measured: elsewhere", "not measured"), ("has no refit", "no refit")):
+            task = self.task(ray(EMBREE, query_set="frame8_rebuilt", ray_update_s=0.1),
+                             ray(EMBREE, None, query_set="frame8_refit", status="unsupported", reason=reason))  # fmt: skip
+            told = rays.moving_table(task)
+            self.assertEqual([w for w in ("not measured", "no refit") if f"<td>{w}</td>" in told], [words])
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
 import report_fixture as fixture
-from bench.report import (advice, approximate, compare, frontier, layout, model, palette, pictures, rows, series,
+from bench.report import (advice, approximate, busy, compare, frontier, layout, model, palette, pictures, pieces, rows, series,
                           stability, units, winners)  # fmt: skip
 from report_made import LOOSE, METHOD, PEER, made, read, read_text
 
@@ -142,9 +142,38 @@ class Winners(unittest.TestCase):
         (won,) = winners.winners(found)
         self.assertEqual((won.best.method, won.ratio), ("kd_tree", 1.5))
 
-    def test_a_peer_within_rounding_competes_whatever_it_claims(self):
-        (won,) = winners.winners(list(read(made(METHOD, 100), made(LOOSE, 50, 5e-7))))
-        self.assertEqual((won.best.method, won.ratio), ("forest", 0.5))
+    def test_who_promises_nothing_wins_nothing_of_ours_as_of_peers(self):
+        for claim, query, counts in (("exact", None, True), ("bounded", None, True), ("bounded", {"epsilon": 0.5}, False),
+                                     ("approximate", None, False), ("stochastic", None, False)):  # fmt: skip
+            for source, other in (("ours", PEER), ("peer", METHOD)):
+                quick = made(("quick", "kd", source, claim), 10, query=query)
+                (won,) = winners.winners(list(read(quick, made(other, 100))))
+                self.assertEqual(won.best.method, "quick" if counts else other[0], (claim, query, source))
+                self.assertEqual(won.ratio is not None, counts)
+
+    def test_a_faster_peer_that_was_right_without_a_promise_is_set_beside(self):
+        rows_here = list(read(made(METHOD, 100), made(PEER, 300), made(LOOSE, 50, 5e-7), made(LOOSE, 5, 1e-3, build={"b": 1})))
+        (won,) = winners.winners(rows_here)
+        self.assertEqual((won.best.method, won.ratio, won.beside_lucky, won.hardest), ("kd_tree", 3, 0.5, 0.5))
+        told = winners.table(rows_here)
+        for text in ("kd_tree 3.00x~ [forest 0.50x]", "runs at 3.00x", "whatever they claim: 0.50x", "[…]"):
+            self.assertIn(text, told)
+        slower = list(read(made(METHOD, 100), made(PEER, 300), made(LOOSE, 400)))
+        self.assertIsNone(winners.winners(slower)[0].lucky)
+        self.assertNotIn("[", winners.table(slower))
+
+    def test_the_largest_size_or_all(self):
+        here = list(read(made(METHOD, 100), made(PEER, 200), made(METHOD, 100, n=10), made(PEER, 800, n=10)))
+        self.assertIn("geometric mean of 1 (2.00 to 2.00): ours runs at 2.00x", winners.table(here))
+        self.assertIn("geometric mean of 2 (2.00 to 8.00): ours runs at 4.00x", winners.table(here, list))
+
+    def test_says_where_the_machine_was_busy(self):
+        quiet = [made(METHOD, 100, query_set=f"k{i}", query_cpu_ns=99.0) for i in range(19)]
+        slowed = made(METHOD, 100, query_set="k99", query_cpu_ns=80.0)
+        self.assertNotIn("busy", winners.table(list(read(*quiet))))
+        self.assertIn("busy: in 1 of 20 timed cells", winners.table(list(read(*quiet, slowed))))
+        self.assertNotIn("busy", winners.table(list(read(*quiet, *[made(PEER, 90, query_cpu_ns=89.0)] , slowed | {"threads": 2}))))
+        self.assertEqual(busy.warning([]), "")
 
     def test_runs_are_not_mixed(self):
         found = winners.winners(list(read(made(METHOD, 100), made(PEER, 150) | {"host": "other"})))
@@ -200,6 +229,19 @@ class Advice(unittest.TestCase):
             self.ladder(made(LOOSE, 10), made(LOOSE, 10, 0.2, query_set="box"), sets=("k8", "box")), 0)  # fmt: skip
         self.assertEqual((best, limit), (None, ("box", "error", 0.2)))  # an error says more than the claim
 
+    def test_asks_what_the_command_line_asks(self):
+        """Rebuilding answers batches and no single changes, yet is not advised where single changes are asked, too."""
+        rebuilt = ("rebuilt", "bvh", "ours", "exact")
+        rows_here = list(read(made(rebuilt, 5, query_set="asked16", advised=True),
+                              made(rebuilt, None, None, query_set="single", advised=True, status="unsupported"),
+                              made(rebuilt, 5, query_set="batches"), made(METHOD, 90, query_set="asked16", advised=True),
+                              made(METHOD, 90, query_set="single", advised=True), made(METHOD, 90, query_set="batches")))  # fmt: skip
+        self.assertEqual(advice.asked_sets(rows_here), ["asked16", "single"])
+        best, below, _ = advice.advise(advice.rungs(rows_here, advice.asked_sets(rows_here)), 0)
+        self.assertEqual((best.method, below), ("kd_tree", None))
+        old = [r for r in rows_here if r.values.pop("advised", False) is not None]
+        self.assertEqual(advice.asked_sets(old), ["asked16", "batches"])  # rows that do not say: what all answer
+
     def test_nothing_holds(self):
         best, below, limit = advice.advise(self.ladder(made(LOOSE, 10, 0.3)), 0)
         self.assertEqual((best, below.method, limit), (None, "forest", ("k8", "error", 0.3)))
@@ -228,6 +270,14 @@ class Stability(unittest.TestCase):
             (cases, columns[0].label, cell.letter, cell.error, cell.bad, cell.count), (["ties"], "kd_tree", "W", "0.25", 1, 2)
         )
         self.assertIn("query 3", cell.detail)
+
+    def test_who_faced_no_hard_case_is_named_below_with_the_reason(self):
+        hard = made(METHOD, None, 0.0) | {"block": "hard/ties", "dataset": "ties"}
+        doubles = made(("tree_double", "kd", "ours", "exact"))
+        absent = made(("gone", "kd", "peer", "exact"), None, None, status="not_built")
+        html = pieces.matrix_table(model.TaskModel("knn", list(read(hard, doubles, absent, made(METHOD)))))
+        self.assertIn("Not in this matrix: tree_double. The hard cases are clouds of floats.", html)
+        self.assertNotIn("Not in", pieces.matrix_table(model.TaskModel("knn", list(read(hard, absent, made(METHOD))))))
 
     def test_every_status_has_its_own_letter_and_word(self):
         for table in (stability.LETTERS, stability.WORDS):
@@ -374,6 +424,7 @@ class Small(unittest.TestCase):
             [units.duration(v) for v in (3.21, 999, 1500, 2.5e6, 3e9)], ["3.21 ns", "999 ns", "1.5 µs", "2.5 ms", "3 s"]
         )
         self.assertEqual([units.figure(v) for v in (None, 0, 1e-7, 0.25, 123456)], ["-", "0", "1e-7", "0.25", "1.2e5"])
+        self.assertEqual([units.brief(v) for v in (0.00606, 1.9e-6, 4.57, 149.2, 3e7)], ["0.0061", "1.9e-6", "4.6", "149", "3e7"])
         self.assertEqual([units.count(v) for v in (7, 1000, 1_000_000)], ["7", "1k", "1M"])
 
     def test_recall_and_leaves_have_columns_of_their_own(self):

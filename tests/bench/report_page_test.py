@@ -4,6 +4,7 @@ every chart drawn with its marks, advice equal to the one computed here, selecto
 import contextlib
 import io
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -16,8 +17,10 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
 import report_fixture as fixture
-from bench.report import advice, layout, report, rows, series, static
+import vl_convert
+from bench.report import advice, charts, layout, page, report, rows, series, static
 from bench.report.model import numbers, task_models
+from report_made import METHOD, PEER, made, read
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-component-update",
@@ -87,7 +90,7 @@ class Report(unittest.TestCase):
 
     def test_made_without_complaint(self):
         self.assertEqual(self.status, 0)
-        self.assertIn("knn: the fastest right method", self.told)
+        self.assertIn("knn: the fastest method that promises exact answers", self.told)
 
     def test_no_script_error(self):
         self.assertEqual(self.page.root.get("data-errors", "[]"), "[]")
@@ -101,6 +104,38 @@ class Report(unittest.TestCase):
         self.assertIn("default-src 'none'", text)  # what the browser would block, it reports as an error
         self.assertNotIn("@import", text)
         self.assertEqual(text.count("window.vegaEmbed="), 1)  # one bundle for all charts
+
+    def test_every_link_leads_somewhere(self):
+        """In the whole report as in one of thread scaling alone, which has no winners, datasets or advice."""
+        threads = rows.read([f for f in self.files if "threads" in f.name])
+        for text, least in ((self.report.read_text(), 20), (page.build(threads, []), 3)):
+            links, places = set(re.findall('href="#([^"]+)"', text)), set(re.findall(' id="([^"]+)"', text))
+            self.assertEqual(links - places, set())
+            self.assertGreaterEqual(len(links), least)
+
+    def test_lines_have_a_legend_and_lanes_name_themselves(self):
+        life = [made(m, ns, query_set=s) | {"task": "knn_dynamic", "knn_dynamic_batch": b}
+                for m, ns in ((METHOD, 50), (PEER, 90)) for s, b in (("single", 1), ("batches16", 100))]  # fmt: skip
+        card = re.search('<article class="series".*?</article>', page.build(read(*life), []), re.DOTALL).group()
+        self.assertEqual(re.findall('data-method="([^"]+)"', card), [METHOD[0], PEER[0]])
+        threads = page.build(rows.read([f for f in self.files if "threads" in f.name]), [])
+        self.assertNotIn("data-method", re.search('<article class="series".*?</article>', threads, re.DOTALL).group())
+
+    def test_axes_have_a_few_labels_however_much_they_span(self):
+        """And they are of those values that are evenly spread, two at least, none twice, with room between them."""
+        found = rows.read(self.files)
+        task = next(t for t in task_models(found) if t.name == "knn")
+        for low, high in ((13, 94), (100, 104), (1, 12), (9, 400), (1, 1e9), (5, 5)):
+            values = [{"i": i, "method": m, "bytes": v, "own": v} for i, (m, v) in enumerate(zip(task.looks, (low, high)))]
+            chart = charts.lanes_chart(charts.alt.Data(values=values), "bytes", "bytes", list(task.looks), task.looks, False, 240)
+            svg = vl_convert.vegalite_to_svg(charts.theme(chart).to_json())
+            axis = re.search(r'role-axis-label.*?</g>', svg[svg.index("X-axis titled"):], re.DOTALL).group()
+            told = [(float(x), text) for x, text in re.findall(r'translate\(([-\d.]+),[^>]*opacity="1"[^>]*>([^<]+)<', axis)]
+            self.assertTrue(2 <= len(told) <= 10 or low == high, (low, high, told))
+            self.assertEqual(len({text for _, text in told}), len(told), told)
+            places = sorted(told)
+            for (a, left), (b, right) in zip(places, places[1:]):
+                self.assertGreater(b - a, 2.9 * (len(left) + len(right)), (low, high, places))  # half of each at 10 px
 
     def test_every_chart_is_drawn_with_every_mark(self):
         tasks = len(fixture.TASKS)
@@ -149,7 +184,7 @@ class Report(unittest.TestCase):
         for told in self.seen["advice"]:
             task = next(t for t in self.models if t.name == told["task"])
             here = [r for r in task.of(told["dataset"]) if r.size == max(task.sizes)]
-            sets = advice.shared_sets(here) if told["set"] == "*" else [told["set"]]
+            sets = advice.asked_sets(here) if told["set"] == "*" else [told["set"]]
             best, below, limit = advice.advise(advice.rungs(here, sets), told["tolerance"])
             if best is None:
                 self.assertIn("No configuration", told["take"])

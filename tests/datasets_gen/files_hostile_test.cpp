@@ -194,7 +194,7 @@ TEST_F(Hostile, Xyz) {
   refused("b.xyz", "1 2 3\n4 5 six\n", "line 2", "'six'");
   refused("c.csv", "a,b,c\n1,2,3\n", "line 1", "header");
   refused("d.xyz", "# only a comment\n", "", "no points");
-  refused("e.xyz", "1 2 1e39\n", "point 0", "range of float");
+  refused("e.xyz", "1 2 1e39\n", "line 1", "range of float");
   refused("f.csv", "t,x,y,z\n1,2,3,4\n1,2,3\n", "line 3", "has 3 fields; the first line has 4");
   refused("g.xyz", "1 2 3\n1 2 3x\n", "line 2", "'3x'");
 }

@@ -98,10 +98,32 @@ TEST_F(BadFiles, CoordinatesThatAreNotFinite) {
   EXPECT_EQ(d.mesh.faces, m.faces);
   EXPECT_EQ(d.mesh.vertices.size(), 4u);
   ASSERT_EQ(d.notes.size(), 1u);
-  expect_says(d.notes[0], "1 points have a coordinate that is not finite, the first is number 2");
+  expect_says(d.notes[0], "1 point has a coordinate that is not finite: number 2");
   expect_says(answer("c.stl", stl_text(m)), "not a finite number");
   expect_says(answer("d.stl", stl_binary(m)), "not finite");
   expect_says(answer("e.off", off_text(m)), "is not a finite number");
+}
+
+// A finite number that float cannot hold is refused with its line, and not made infinite.
+TEST_F(BadFiles, NumbersBeyondTheRangeOfFloat) {
+  for (const std::string huge : {"1e300", "-4e38", "1e400"}) {
+    const std::string says = "'" + huge + "' is beyond the range of float";
+    expect_says(answer("a.xyz", "0 0 0\n1 " + huge + " 2\n"), "line 2: field 2, y: " + says);
+    expect_says(answer("a.csv", "id,x,y,z\n7,0,0," + huge + "\n"), "line 2: field 4, z: " + says);
+    if (reads("obj")) expect_says(answer("a.obj", "v 0 0 0\nv 0 " + huge + " 0\n"), "line 2: " + says);
+    if (!reads("pcd")) continue;
+    for (const char* size : {"4 4 4", "8 8 8"})
+      expect_says(answer("a.pcd", "FIELDS x y z\nSIZE " + std::string(size) +
+                                      "\nTYPE F F F\nWIDTH 2\nDATA ascii\n0 0 0\n0 0 " + huge + "\n"),
+                  "line 7: " + says);
+  }
+  EXPECT_EQ(answer("b.xyz", "0 0 0\n1 3.4e38 2\n"), "read");
+}
+
+TEST_F(BadFiles, TwoColumnsOfOneName) {
+  expect_says(answer("a.csv", "x,y,z,x\n0,0,0,9\n"), "line 1: two columns are called x, fields 1 and 4");
+  expect_says(answer("b.csv", "id;X;Y;y;Z\n1;0;0;0;9\n"), "line 1: two columns are called y, fields 3 and 4");
+  EXPECT_EQ(answer("c.csv", "id,x,y,z,id\n1,0,0,0,9\n"), "read");  // others do not matter
 }
 
 TEST_F(BadFiles, WithoutFaces) {

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "datasets_gen/hard/hard_case.hpp"
+#include "datasets_gen/hard/hard_insides.hpp"
 #include "datasets_gen/hard/hard_rows.hpp"
 #include "geometry/adjacency.hpp"
 #include "geometry/intersect_triangle.hpp"
@@ -40,14 +41,15 @@ TEST(HardCases, SayWhatTheyAreAndStaySmall) {
     EXPECT_LE(c.mesh.size(), many_faces ? 201'280u : 20'000u) << c.name;
     EXPECT_LE(c.queries.size(), 2000u) << c.name;
     EXPECT_LE(c.rays.size(), 20'000u) << c.name;
-    EXPECT_GT(c.queries.size() + c.rays.size() + c.outward.size(), 0u) << c.name;
-    EXPECT_EQ(c.for_points(), c.rays.empty() && c.outward.empty()) << c.name;
+    EXPECT_LE(c.probes.size(), 2000u) << c.name;
+    EXPECT_GT(c.queries.size() + c.rays.size() + c.outward.size() + c.probes.size(), 0u) << c.name;
+    EXPECT_EQ(c.for_points() + c.for_rays() + c.for_closest_points(), 1) << c.name;
     for (const auto& f : c.mesh.faces)
       for (const auto v : f) ASSERT_LT(v, c.mesh.vertices.size()) << c.name;
   }
   for (const char* family : {"ties_duplicates", "degenerate_triangles", "far_from_origin", "edge_vertex_rays",
                              "axis_parallel_rays", "nan_infinity", "empty_one_kn", "lines_planes_outliers",
-                             "float_range", "radius_borders", "box_rays"})
+                             "float_range", "radius_borders", "box_rays", "closest_points"})
     EXPECT_GT(families[family], 3) << family;
   for (const char* family : {"grazing_rays", "self_intersection"}) EXPECT_EQ(families[family], 1) << family;
 }
@@ -64,6 +66,7 @@ TEST(HardCases, AreTheSameEveryTime) {
     EXPECT_TRUE(same(again[i].mesh.vertices, cases()[i].mesh.vertices)) << again[i].name;
     EXPECT_TRUE(same(again[i].rays, cases()[i].rays)) << again[i].name;
     EXPECT_TRUE(same(again[i].queries, cases()[i].queries)) << again[i].name;
+    EXPECT_TRUE(same(again[i].probes, cases()[i].probes)) << again[i].name;
   }
 }
 
@@ -74,6 +77,7 @@ TEST(HardCases, OnlyThoseThatAreNotFiniteOrAskForNothingMayBeRefused) {
     for (const auto& p : c.queries) finite &= is_finite(p);
     for (const auto& p : c.mesh.vertices) finite &= is_finite(p);
     for (const auto& r : c.rays) finite &= is_finite(r.origin) && is_finite(r.direction);
+    for (const auto& p : c.probes) finite &= is_finite(p);
     const bool asks = c.k > 0 && c.radius.value_or(0) >= 0;
     EXPECT_EQ(finite && asks, c.expect == Expect::answers) << c.name;
     if (!finite) continue;
@@ -94,6 +98,21 @@ TEST(HardRows, SayWhatTheyAreAndOnlyThoseThatAreNotFiniteMayBeRefused) {
       return std::ranges::all_of(v.scalars, [](float x) { return std::isfinite(x); });
     };
     EXPECT_EQ(finite(c.rows) && finite(c.queries), c.expect == Expect::answers) << c.name;
+  }
+}
+
+TEST(HardInsides, SayWhatTheyAreAndOnlyThoseThatAreNotFiniteMayBeRefused) {
+  std::set<std::string> names;
+  for (const HardCase& c : cases()) names.insert(c.name);
+  for (const HardRows& c : hard_rows()) names.insert(c.name);
+  for (const HardInside& c : hard_insides()) {
+    EXPECT_TRUE(names.insert(c.name).second) << "twice: " << c.name;
+    EXPECT_FALSE(c.source.empty() || c.law.empty()) << c.name;
+    EXPECT_GT(c.points.size(), 0u) << c.name;
+    bool finite = true;
+    for (const auto& p : c.points) finite &= is_finite(p);
+    for (const auto& p : c.mesh.vertices) finite &= is_finite(p);
+    EXPECT_EQ(finite, c.expect == Expect::answers) << c.name;
   }
 }
 

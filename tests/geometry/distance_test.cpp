@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include "geometry/exact/triangle_distance.hpp"
 #include "geometry/sobol.hpp"
 #include "geometry/tolerances.hpp"
 #include "tests/geometry/meshes.hpp"
@@ -116,6 +117,29 @@ TEST(TriangleDistance, BoundedBelowByTheBoxInFloatToo) {
     const auto r = closest_point_on_triangle(p, t);
     ASSERT_TRUE(t.box().contains(r.point));
     ASSERT_LE(distance2(p, t.box()), r.distance2 * fused);
+  }
+}
+
+// Float's own cross product tells nothing of a sliver's face; against distances in exact arithmetic.
+TEST(TriangleDistance, FloatKeepsSlivers) {
+  Pcg32 random(8);
+  const float bound = 64 * tolerance::unit_roundoff<float>;  // of coordinates up to 2
+  for (int n = 0; n < 100000; ++n) {
+    const float thin = std::pow(10.0f, -random.uniform<float>(0, 6));
+    const Vec3f a = random_vec<float>(random), d = random_vec<float>(random);
+    // A needle or a cap, thin at any of its corners.
+    const float share = n % 2 == 0 ? 1.0f : random.uniform<float>(0, 1);
+    const Vec3f corners[] = {a, a + d, a + d * share + random_vec<float>(random) * thin};
+    const Triangle3f t{corners[n % 3], corners[(n + 1) % 3], corners[(n + 2) % 3]};
+    const Vec3d w = sample_triangle(random.uniform(), random.uniform());
+    const float offset = std::pow(10.0f, -random.uniform<float>(0, 8));
+    const Vec3f p =
+        Vec3f(Vec3d(t.a) * w[0] + Vec3d(t.b) * w[1] + Vec3d(t.c) * w[2]) + random_vec<float>(random) * offset;
+    const auto r = closest_point_on_triangle(p, t);
+    const double truth = std::sqrt(exact_distance2(Vec3d(p), Triangle3d(t)));
+    ASSERT_NEAR(length(Vec3d(p) - Vec3d(r.point)), truth, bound) << "thinness " << thin << ", try " << n;
+    ASSERT_LE(std::sqrt(exact_distance2(Vec3d(r.point), Triangle3d(t))), bound);
+    ASSERT_TRUE(t.box().contains(r.point));
   }
 }
 

@@ -153,11 +153,11 @@ TEST(ExactHit, LeavesOfTreesRoundTheSameTime) {
     };
     const Rayf ray{vec(), vec()};
     const Triangle3f t{vec(), vec(), vec()};
-    const auto leaf = ExactRay(ray, {0, 0, 0})(t, ray.t_max);
+    const auto leaf = ExactRay(ray, Vec3f{}).time(t);
     const auto found = exact_hit<float>({Vec3d(ray.origin), Vec3d(ray.direction)}, Triangle3d(t));
     ASSERT_EQ(leaf.has_value(), found.has_value());
     if (found) {
-      ASSERT_EQ(leaf->t, *found);
+      ASSERT_EQ(*leaf, *found);
       ++hits;
     }
   }

@@ -55,9 +55,11 @@ const rungName = (r) => r.method + ([r.build, r.query].filter(Boolean).length ? 
 const limitText = (limit, tolerance) =>
   (limit.figure === null ? limit.name : `${limit.name} ${figure(limit.figure)}, above ${tolerance === 0 ? "exact" : figure(tolerance)}`) + ` (${limit.set})`;
 
-// The query sets that every method answers: a set that some library lacks must not drop it from the ladder.
-function sharedSets(rows) {
+// The query sets on which --advise measures; of older rows, which do not say, those that every method answers.
+function askedSets(rows) {
   const timed = rows.filter((r) => r.ns !== null);
+  const told = [...new Set(timed.filter((r) => r.advised).map((r) => r.set))];
+  if (told.length) return told;
   const methods = [...new Set(timed.map((r) => r.method))], sets = [...new Set(timed.map((r) => r.set))];
   const shared = sets.filter((s) => methods.every((m) => timed.some((r) => r.method === m && r.set === s)));
   return shared.length ? shared : sets;
@@ -72,7 +74,7 @@ function updateAdvice(box) {
   box.querySelector(".value").textContent = words;
   const c = choice(task);
   const list = chosen(task, get("dataset").value, c, false, true);
-  const sets = get("set").value === "*" ? sharedSets(list) : [get("set").value];
+  const sets = get("set").value === "*" ? askedSets(list) : [get("set").value];
   const ladder = rungs(list, sets);
   const at = ladder.findIndex((r) => limitOf(r, tolerance) === null);
   const out = box.querySelector(".answer");

@@ -23,7 +23,8 @@ for (const legend of all(".legend")) {
   let kept = "";
   const pick = (method) => {
     for (const chart of model.charts)
-      if (chart.task === task && chart.kind !== "fixed" && drawn.has(chart.id)) drawn.get(chart.id).signal("pick", method).runAsync();
+      if (chart.task === task && drawn.has(chart.id) && (chart.spec.params || []).some((p) => p.name === "pick"))
+        drawn.get(chart.id).signal("pick", method).runAsync();
   };
   for (const chip of all("button", legend)) {
     chip.addEventListener("mouseenter", () => pick(chip.dataset.method));

@@ -1,0 +1,122 @@
+// The points of up to eight triangles nearest to a point, in double, whatever triangles they are.
+//
+// The candidates of geometry::closest_point_on_triangle (one on each edge, and one on the face where the
+// point projects into it), eight triangles side by side and nothing fused, so that all instruction sets find
+// the same bits. Error of a squared distance: as derived in wide_closest.hpp with double's u, and for slivers
+// the lesser of t² and h². Cost: some 50 ns a call.
+#pragma once
+
+#include <algorithm>
+
+#include "accel/bvh/wide_closest.hpp"
+#include "accel/simd/lanes.hpp"
+#include "geometry/rounding.hpp"
+#include "geometry/triangle.hpp"
+
+namespace treeline::accel::wide {
+
+class EightClosest {
+ public:
+  static constexpr int most = 8;
+  using Triangle = geometry::Triangle<double>;
+  using Point = geometry::Vec<double, 3>;
+
+  int size() const { return size_; }
+  bool full() const { return size_ == most; }
+  void clear() { size_ = 0; }
+  template <int N>
+  void add(const RayLeaf<N>& leaf, std::uint32_t lane) {
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) corner_[i][k][size_] = static_cast<double>(leaf.corner[i][k][lane]);
+    id_[size_++] = leaf.id[lane];
+  }
+
+  void measure(const Point& point) {
+    using F = simd::Lanes<double>;
+    using V = Lanes3<F>;
+    for (int i = size_; i < most; ++i)  // measured along, and not looked at
+      for (auto& rows : corner_)
+        for (auto& row : rows) row[i] = 0;
+    const auto corner = [&](int i) {
+      return V{{F::load(corner_[i][0]), F::load(corner_[i][1]), F::load(corner_[i][2])}};
+    };
+    const V a = corner(0), b = corner(1), c = corner(2);
+    const V p{{F::broadcast(point[0]), F::broadcast(point[1]), F::broadcast(point[2])}};
+    const F zero = F::broadcast(0), one = F::broadcast(1);
+    const V ab = b - a, bc = c - b, ca = a - c, pa = p - a, pb = p - b, pc = p - c;
+    const F ab2 = dot(ab, ab), bc2 = dot(bc, bc), ca2 = dot(ca, ca);
+    const auto from_edge = [&](int edge, const V& to_p, const V& along, const F& whole, const V& from_end) {
+      // 0 / 0, of an edge without a length, becomes 0.
+      const F s = min(max(dot(to_p, along) / whole, zero), one);
+      const V r = to_p - along * s;
+      // An end is the corner itself.
+      const F d2 = chosen(one <= s, dot(from_end, from_end), dot(r, r));
+      s.store(share_[edge]);
+      d2.store(distance2_[edge]);
+      return d2;
+    };
+    const F d_ab = from_edge(0, pa, ab, ab2, pb), d_bc = from_edge(1, pb, bc, bc2, pc),
+            d_ca = from_edge(2, pc, ca, ca2, pa);
+    const V ac = c - a, n = cross(ab, ac);
+    const F n2 = dot(n, n);
+    const F v = dot(cross(pa, ac), n) / n2, w = dot(cross(ab, pa), n) / n2;
+    const V r = pa - ab * v - ac * w;
+    const auto inside = (zero < v) & (zero < w) & (v + w < one);  // no: where either is NaN
+    const F d_face = chosen(inside, dot(r, r), F::broadcast(std::numeric_limits<double>::infinity()));
+    v.store(share_[3]), w.store(share_[4]), d_face.store(distance2_[3]);
+    min(min(d_ab, d_bc), min(d_ca, d_face)).store(least_);
+    ab2.store(ab2_), ca2.store(ac2_), n2.store(n2_), dot(pa, pa).store(pa2_);
+  }
+
+  Id id(int i) const { return id_[i]; }
+  double distance2(int i) const { return least_[i]; }
+  Triangle triangle(int i) const {
+    const auto corner = [&](int j) { return Point{corner_[j][0][i], corner_[j][1][i], corner_[j][2][i]}; };
+    return {corner(0), corner(1), corner(2)};
+  }
+  /// What was measured lies at most `above` over the true squared distance, and `below` under it.
+  void error(int i, double& above, double& below) const {
+    constexpr double u = geometry::tolerance::unit_roundoff<double>;
+    const double shorter = std::min(ab2_[i], ac2_[i]), longer = std::max(ab2_[i], ac2_[i]);
+    below = u * (20 * least_[i] + 72 * longer) + 0x1p-1000;
+    // t² and h²; |n| itself is off by 6 u |ab| |ac|.
+    const double t2 = 36 * u * 36 * u * (shorter / n2_[i]) * longer * pa2_[i],
+                 h2 = 2 * (n2_[i] / longer + 36 * u * u * shorter);
+    above = below + (t2 < h2 ? t2 : h2 > 0 ? h2 : 0);
+  }
+  /// The nearest point and where on the triangle it lies; of features as near the first in the order of
+  /// ClosestOnTriangle's candidates.
+  Feature nearest(int i, Point& point) const {
+    int f = 0;
+    for (int j = 1; j < 4; ++j)
+      if (distance2_[j][i] < distance2_[f][i]) f = j;
+    const Triangle t = triangle(i);
+    const Point* const corners[] = {&t.a, &t.b, &t.c};
+    const auto times = [](const Point& x, double s) {
+      return Point{geometry::rounded(x[0] * s), geometry::rounded(x[1] * s), geometry::rounded(x[2] * s)};
+    };
+    if (f == 3) {
+      point = t.a + (times(t.b - t.a, share_[3][i]) + times(t.c - t.a, share_[4][i]));
+      return Feature::face;
+    }
+    const int next = (f + 1) % 3;
+    const double s = share_[f][i];
+    if (s <= 0 || s >= 1) {
+      const int corner = s <= 0 ? f : next;
+      point = *corners[corner];
+      return static_cast<Feature>(static_cast<int>(Feature::vertex_a) + corner);
+    }
+    point = *corners[f] + times(*corners[next] - *corners[f], s);
+    return static_cast<Feature>(static_cast<int>(Feature::edge_ab) + f);
+  }
+
+ private:
+  int size_ = 0;
+  alignas(64) double corner_[3][3][most];
+  Id id_[most];
+  alignas(64) double distance2_[4][most];  // to ab, bc, ca, and the face, infinite where not above it
+  alignas(64) double share_[5][most];      // along the edges; weights of b and c
+  alignas(64) double least_[most], ab2_[most], ac2_[most], n2_[most], pa2_[most];
+};
+
+}  // namespace treeline::accel::wide

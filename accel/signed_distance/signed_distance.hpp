@@ -1,0 +1,119 @@
+// A tree over a mesh and a rule for the sign, put together: see accel/signed_distance.hpp.
+#pragma once
+
+#include "accel/signed_distance/first_hit.hpp"
+#include "geometry/closedness.hpp"
+
+namespace treeline::accel {
+
+/// What Sign::Rule<Tree> offers: built from a mesh and a tree over it, it tells which points are inside.
+template <class Sign, class Tree>
+concept SignOf = requires(const typename Sign::template Rule<Tree>& rule, const Tree& tree,
+                          const typename Tree::Point& q, std::span<const typename Tree::Point> queries,
+                          std::span<std::uint8_t> out, int threads) {
+  typename Sign::Options;
+  { rule.inside(tree, q) } -> std::same_as<bool>;
+  rule.inside(tree, queries, out, threads);
+  { rule.bytes() } -> std::same_as<std::size_t>;
+};
+
+template <class Tree, class Sign = FirstHit>
+class SignedDistance {
+ public:
+  using Scalar = typename Tree::Scalar;
+  using Point = typename Tree::Point;
+  using Mesh = geometry::Mesh<Scalar>;
+  using Rule = typename Sign::template Rule<Tree>;
+  static_assert(SignOf<Sign, Tree>);
+  using TreeOptions = typename Tree::Options;
+  using SignOptions = typename Sign::Options;
+
+  /// Throws InvalidInput for what the tree does not take: a vertex that is not finite, a face that names no
+  /// vertex. Nothing is kept of the mesh but what tree and rule copy.
+  explicit SignedDistance(const Mesh& mesh, const TreeOptions& tree_options = {},
+                          const SignOptions& sign_options = {}, int threads = 1)
+      : SignedDistance(mesh, Tree(mesh, tree_options), sign_options, threads) {}
+  /// With a tree that was built over the same mesh.
+  SignedDistance(const Mesh& mesh, Tree tree, const SignOptions& sign_options = {}, int threads = 1)
+      : tree_(std::move(tree)),
+        closedness_(geometry::closedness(mesh)),
+        rule_(mesh, tree_, sign_options, threads) {}
+
+  /// Whether every edge has an even number of faces, corners at equal positions being one.
+  bool closed() const { return closedness_.closed; }
+  /// Whether, besides, faces at an edge run opposite ways; FirstHit and Pseudonormal rely on both.
+  bool oriented() const { return closedness_.oriented; }
+
+  /// Throw InvalidInput for a query that is not finite, and batches for too little room or threads < 1.
+  bool inside(const Point& q) const {
+    check({&q, 1});
+    return rule_.inside(tree_, q);
+  }
+  void inside(std::span<const Point> queries, std::span<std::uint8_t> out, int threads) const {
+    check(queries), check_room(queries.size(), out.size());
+    rule_.inside(tree_, queries, out, threads);
+  }
+
+  /// In the mesh's units: negative inside, 0 on the surface; infinite if there are no triangles. As the
+  /// queries above where those throw.
+  Scalar signed_distance(const Point& q) const requires ClosestPointIndex<Tree> {
+    check({&q, 1});
+    const ClosestPoint<Scalar> closest = tree_.closest_point(q);
+    if constexpr (sign_of_closest)
+      return with_sign(q, closest, [&] { return rule_.inside(q, closest); });
+    else
+      return with_sign(q, closest, [&] { return rule_.inside(tree_, q); });
+  }
+  void signed_distance(std::span<const Point> queries, std::span<Scalar> out,
+                       int threads) const requires ClosestPointIndex<Tree> {
+    check(queries), check_room(queries.size(), out.size());
+    std::vector<ClosestPoint<Scalar>> closest(queries.size());
+    tree_.closest_point(queries, std::numeric_limits<Scalar>::infinity(), closest, threads);
+    std::vector<std::uint8_t> inside(sign_of_closest ? 0 : queries.size());
+    if constexpr (!sign_of_closest) rule_.inside(tree_, queries, inside, threads);
+    parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        out[i] = with_sign(queries[i], closest[i], [&] {
+          if constexpr (sign_of_closest)
+            return rule_.inside(queries[i], closest[i]);
+          else
+            return inside[i] != 0;
+        });
+    });
+  }
+
+  const Tree& tree() const { return tree_; }
+  const Rule& rule() const { return rule_; }
+  std::size_t bytes() const { return tree_.bytes() + sizeof(*this) - sizeof(Tree) + rule_.bytes(); }
+
+ private:
+  /// Whether the closest point alone gives the sign.
+  static constexpr bool sign_of_closest =
+      requires(const Rule& rule, const Point& q, const ClosestPoint<Scalar>& c) {
+    rule.inside(q, c);
+  };
+
+  template <class Inside>
+  static Scalar with_sign(const Point& q, const ClosestPoint<Scalar>& closest, Inside&& inside) {
+    if (!closest) return std::numeric_limits<Scalar>::infinity();
+    // Squares lose their digits long before distances do.
+    constexpr Scalar least = std::numeric_limits<Scalar>::min() * Scalar(1 << 20);
+    const bool holds = closest.distance2 > least && std::isfinite(closest.distance2);
+    const Scalar d = holds ? std::sqrt(closest.distance2)
+                           : static_cast<Scalar>(std::hypot(double(q[0]) - double(closest.point[0]),
+                                                            double(q[1]) - double(closest.point[1]),
+                                                            double(q[2]) - double(closest.point[2])));
+    return d != 0 && inside() ? -d : d;
+  }
+  static void check(std::span<const Point> queries) {
+    for (std::size_t i = 0; i < queries.size(); ++i)
+      if (!is_finite(queries[i]))
+        throw InvalidInput("query " + std::to_string(i) + " has a coordinate that is not finite");
+  }
+
+  Tree tree_;
+  geometry::Closedness closedness_;
+  Rule rule_;
+};
+
+}  // namespace treeline::accel

@@ -1,0 +1,72 @@
+#include "bench/inside/block.hpp"
+
+#include "bench/core/refusal.hpp"
+#include "bench/core/truth_cache.hpp"
+
+namespace treeline::bench::inside {
+namespace {
+
+class InsideSubject final : public Subject {
+ public:
+  /// Methods that refuse must_answer inputs at the build are told apart by build(), which throws.
+  InsideSubject(std::unique_ptr<Index> index, const std::vector<PointSet>& sets, bool must_answer)
+      : index_(std::move(index)), sets_(sets), must_answer_(must_answer) {}
+
+  void run(std::size_t set, const Knobs& knobs, int threads) override {
+    const auto& points = sets_[set].points;
+    answers.resize(points.size());
+    refusal.clear();
+    keep_refusal(must_answer_, refusal, [&] { index_->inside(points, answers, knobs, threads); });
+  }
+
+  std::vector<std::uint8_t> answers;
+  std::string refusal;
+
+ private:
+  std::unique_ptr<Index> index_;
+  const std::vector<PointSet>& sets_;
+  bool must_answer_;
+};
+
+}  // namespace
+
+InsideBlock::InsideBlock(BlockInput input, const std::vector<Method>& methods)
+    : input_(std::move(input)), methods_(methods), truths_(input_.sets.size()) {
+  for (const PointSet& set : input_.sets) query_sets_.push_back({set.name, set.points.size()});
+}
+
+std::unique_ptr<Subject> InsideBlock::build(std::size_t m, const Knobs& build_knobs, int threads) {
+  if (threads > 1)
+    for (const Method& method : methods_)
+      if (method.allow_threads) method.allow_threads(threads);
+  return std::make_unique<InsideSubject>(methods_[m].build(input_.mesh, build_knobs, threads), input_.sets,
+                                         input_.must_answer);
+}
+
+void InsideBlock::find_truth() {
+  for (std::size_t set = 0; set < input_.sets.size(); ++set) truth_of(set);
+}
+
+const std::vector<Side>& InsideBlock::truth_of(std::size_t query_set) {
+  std::optional<std::vector<Side>>& truth = truths_[query_set];
+  if (truth) return *truth;
+  const auto& points = input_.sets[query_set].points;
+  const TruthKey key{"inside", input_.version, input_.dataset_hash, hash_of(points)};
+  if (auto cached = load_truth_as<Side>(input_.truth_cache, key); cached && cached->size() == points.size()) {
+    truth = std::move(*cached);
+  } else {
+    truth = true_sides(input_.whole ? *input_.whole : input_.mesh, points, input_.threads);
+    store_truth(input_.truth_cache, key, *truth);
+  }
+  return *truth;
+}
+
+Errors InsideBlock::check(std::size_t m, const Subject& subject, std::size_t query_set, const Knobs&) {
+  const auto& answered = static_cast<const InsideSubject&>(subject);
+  if (!answered.refusal.empty()) return refused_wrongly(answered.refusal);
+  const bool has_answer = !(input_.coincident && methods_[m].by_nearest_face);
+  const Promise promise{methods_[m].info.claim, !input_.whole && has_answer};
+  return judge(input_.mesh, input_.sets[query_set].points, truth_of(query_set), answered.answers, promise);
+}
+
+}  // namespace treeline::bench::inside

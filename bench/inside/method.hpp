@@ -1,0 +1,35 @@
+// What a method gives the task: an index built over a mesh that tells of whole batches of points whether they
+// are inside.
+//
+// One virtual call a batch, never one a query. Peers loop over a batch with the same threads and grain as our
+// trees (accel/batch.hpp).
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "bench/core/task.hpp"
+#include "geometry/mesh.hpp"
+
+namespace treeline::bench::inside {
+
+class Index {
+ public:
+  virtual ~Index() = default;
+  /// out[i] becomes 1 if points[i] is inside or on the surface, else 0.
+  virtual void inside(std::span<const geometry::Vec3f> points, std::span<std::uint8_t> out,
+                      const Knobs& query_knobs, int threads) const = 0;
+};
+
+struct Method {
+  MethodInfo info;
+  std::function<std::unique_ptr<Index>(const geometry::Mesh3f&, const Knobs& build_knobs, int threads)> build;
+  /// It goes by the nearest face alone, which says nothing where two faces lie in one another.
+  bool by_nearest_face = false;
+  /// Lifts a limit on the process's threads that the method's library sets; called before anything is built.
+  std::function<void(int threads)> allow_threads = {};
+};
+
+}  // namespace treeline::bench::inside

@@ -1,0 +1,45 @@
+// Task `inside`: is a point inside a mesh?
+//
+// Meshes: closed ones of every family, and an icosphere with damage of every kind (datasets_gen/meshes/
+//   damage.hpp), told by "+" in the dataset's name. Queries: queries.hpp.
+// Truth: truth.hpp, of the mesh; of damaged ones, what the mesh was before. A mesh of the user's own must be
+//   closed and oriented, since otherwise nothing says what is inside; it is refused if not.
+// Errors and claims: judge.hpp.
+// Advice: on near, uniform and on_vertex; a tolerance is a share of wrong answers.
+#pragma once
+
+#include "bench/core/task.hpp"
+#include "bench/inside/method.hpp"
+
+namespace treeline::bench::inside {
+
+class InsideTask final : public Task {
+ public:
+  InsideTask();
+
+  std::string name() const override { return "inside"; }
+  int version() const override { return 1; }
+  const std::vector<MethodInfo>& methods() const override { return infos_; }
+  std::vector<std::pair<std::string, std::string>> not_built() const override;
+  std::vector<BlockSpec> blocks(Profile) const override;
+  std::vector<BlockSpec> hard_blocks() const override;
+  std::vector<BlockSpec> scaling_blocks(Profile) const override;
+  datasets::Kind dataset_kind() const override { return datasets::Kind::mesh; }
+  std::unique_ptr<Block> open(const BlockSpec&, const RunContext&) const override;
+  std::unique_ptr<Block> open(datasets::Dataset, const RunContext&) const override;
+  std::vector<std::string> advise_on() const override { return {"near", "uniform", "on_vertex"}; }
+  /// Has none.
+  void pictures(const BlockSpec&, const RunContext&, const std::string&) const override {}
+
+  const std::vector<Method>& registered() const { return methods_; }
+
+ private:
+  /// whole: what a damaged dataset was before.
+  std::unique_ptr<Block> open(datasets::Dataset, std::optional<geometry::Mesh3f> whole, const RunContext&,
+                              bool scaling) const;
+
+  std::vector<Method> methods_;
+  std::vector<MethodInfo> infos_;
+};
+
+}  // namespace treeline::bench::inside

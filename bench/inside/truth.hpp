@@ -1,0 +1,24 @@
+// The truth: the faces above a point, counted exactly.
+//
+// Method: column_crossing (geometry/exact/column.hpp) on every face whose shadow along z may hold the point;
+// a grid over the shadows finds these. A point is inside if the mesh winds around it, which for the meshes
+// asked here is the same as an odd number of crossings. Cost: some microseconds a point. The tests hold it
+// against sums of solid angles, which share no step with it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/mesh.hpp"
+
+namespace treeline::bench::inside {
+
+enum class Side : std::uint8_t { outside, inside, surface };
+
+/// Faces with a coordinate that is not finite are left out; of points that are not finite it says `surface`,
+/// as of those of which either answer is right.
+std::vector<Side> true_sides(const geometry::Mesh3f& mesh, std::span<const geometry::Vec3f> points,
+                             int threads);
+
+}  // namespace treeline::bench::inside

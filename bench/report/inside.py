@@ -1,0 +1,68 @@
+"""What only the task inside shows: how each rule for inside and outside stands damage done to a mesh."""
+
+from bench.report import charts
+from bench.report.palette import INK
+from bench.report.rows import knob_text
+from bench.report.series import Card, Figure
+from bench.report.units import count
+
+alt = charts.alt
+
+DAMAGE = """The share of wrong answers on one mesh damaged in one way after the other, against what is inside of it undamaged;
+the number is the per cent of the faces that were hit. No rule wins every column: rays count on closed surfaces, normals
+on faces that look outward, winding numbers on most of them. ✓: none wrong among those asked."""
+
+
+def cards(task, numbers, width="container"):
+    if task.name != "inside":
+        return []
+    figures = []
+    for (base, size, query_set), found in damage_table(task.soft).items():
+        chart = _chart(found, numbers, width)
+        title = f"{query_set}: {base}, {count(size)} {task.text.element}s"
+        figures.append(Figure(f"{task.name}-damage-{base}-{size}-{query_set}", title, base, chart))
+    return [Card(f"{task.name}-card-damage", "Damaged meshes", DAMAGE, figures)] if figures else []
+
+
+def damage_table(rows):
+    """{(undamaged dataset, size, query set): {(line, damage): row}}, of the first run and thread count."""
+    rows = [r for r in rows if r.error is not None and r.status in ("ok", "wrong")]
+    if not rows:
+        return {}
+    first = rows[0]
+    rows = [r for r in rows if (r.run, r.threads) == (first.run, first.threads)]
+    builds = {}
+    for r in rows:
+        builds.setdefault(r.method, set()).add(knob_text(r.build_knobs))
+    found = {}
+    for r in rows:
+        base, plus, damage = r.dataset.partition("+")
+        if not plus:
+            continue
+        knobs = knob_text(r.build_knobs)
+        line = f"{r.method}, {knobs}" if len(builds[r.method]) > 1 else r.method
+        found.setdefault((base, r.size, r.query_set), {})[line, damage] = r
+    return found
+
+
+def _share(row):
+    if row.error == 0:
+        return "✓"
+    percent = 100 * row.error
+    return f"{percent:.0f}" if percent >= 9.95 else f"{percent:.2g}"
+
+
+def _chart(found, numbers, width):
+    lines = list(dict.fromkeys(line for line, _ in found))
+    damages = list(dict.fromkeys(damage for _, damage in found))
+    values = [{"i": numbers[id(row)], "line": line, "damage": damage.replace("_", " "), "text": _share(row),
+               "share": max(row.error, 1e-4), "dark": row.error > 0.1}
+              for (line, damage), row in found.items()]  # fmt: skip
+    x = alt.X("damage:N", sort=[d.replace("_", " ") for d in damages],
+              axis=alt.Axis(title=None, orient="top", labelAngle=-30, ticks=False, domain=False))  # fmt: skip
+    y = alt.Y("line:N", sort=lines, axis=alt.Axis(title=None, ticks=False, domain=False, labelLimit=200))
+    color = alt.Color("share:Q", legend=None, scale=alt.Scale(type="log", domain=[1e-4, 1], range=["#E6F4EE", "#D55E00"]))
+    base = alt.Chart(alt.Data(values=values)).encode(x=x, y=y)
+    cells = base.mark_rect(stroke="white", strokeWidth=1.5).encode(color=color, tooltip=alt.Tooltip("i:Q"))
+    texts = base.mark_text(fontSize=10, fill=INK).encode(text="text:N")
+    return alt.layer(cells, texts).properties(width=width, height=alt.Step(20))

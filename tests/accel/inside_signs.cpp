@@ -1,0 +1,294 @@
+// Signed distances and the rules for broken meshes: closed forms, the exact oracle, refusals.
+#include "accel/signed_distance.hpp"
+#include "geometry/adjacency.hpp"
+#include "tests/accel/inside_meshes.hpp"
+
+namespace treeline::accel::test {
+namespace {
+
+using WideTree = Bvh<Triangles<float>, Wide>;
+using geometry::Vec3d;
+
+/// Signed distance to a box: closed form.
+double box_distance(const Vec3d& p, const Vec3d& half) {
+  Vec3d out;
+  double deepest = -std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const double d = std::abs(p[k]) - half[k];
+    out[k] = std::max(d, 0.0), deepest = std::max(deepest, d);
+  }
+  return length(out) + std::min(deepest, 0.0);
+}
+
+template <class Tree>
+class SignedDistances : public testing::Test {};
+using Trees = testing::Types<Bvh<Triangles<float>>, KdTree<Triangles<float>>, BspTree<Triangles<float>>,
+                             BruteForce<Triangles<float>>, WideTree, Bvh<Triangles<double>>,
+                             BruteForce<Triangles<double>>>;
+TYPED_TEST_SUITE(SignedDistances, Trees);
+
+template <class Tree, class Sign>
+void expect_box() {
+  using T = typename Tree::Scalar;
+  Mesh<T> mesh;
+  add_box(mesh, Box<T, 3>{{-1, -2, -3}, {1, 2, 3}});
+  const SignedDistance<Tree, Sign> body(mesh);
+  Pcg32 random(31);
+  std::vector<Vec<T, 3>> points;
+  for (int i = 0; i < 400; ++i) points.push_back(in_cube(random, T(4)));
+  points.push_back({1, 0.5, 0}), points.push_back({1, 2, 3}), points.push_back({-1, 0, -3});  // on it
+  std::vector<T> out(points.size()), again(points.size());
+  std::vector<std::uint8_t> inside(points.size());
+  body.signed_distance(points, out, 1), body.signed_distance(points, again, 2),
+      body.inside(points, inside, 1);
+  EXPECT_EQ(out, again);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double expected = box_distance(Vec3d(points[i]), {1, 2, 3});
+    ASSERT_NEAR(double(out[i]), expected, 8 * double(std::numeric_limits<T>::epsilon())) << i;
+    ASSERT_EQ(inside[i] != 0, expected <= 0) << i;
+    ASSERT_EQ(body.signed_distance(points[i]), out[i]);
+  }
+}
+TYPED_TEST(SignedDistances, OfABox) {
+  expect_box<TypeParam, FirstHit>(), expect_box<TypeParam, Pseudonormal>(), expect_box<TypeParam, Winding>();
+}
+
+TYPED_TEST(SignedDistances, RefuseWhatHasNoAnswer) {
+  using T = typename TypeParam::Scalar;
+  Mesh<T> mesh;
+  add_box(mesh, Box<T, 3>{{-1, -1, -1}, {1, 1, 1}});
+  const SignedDistance<TypeParam, Pseudonormal> body(mesh);
+  const Vec<T, 3> bad{0, std::numeric_limits<T>::quiet_NaN(), 0};
+  EXPECT_THROW(body.inside(bad), InvalidInput);
+  EXPECT_THROW(body.signed_distance(bad), InvalidInput);
+  std::vector<Vec<T, 3>> points{{0, 0, 0}, bad};
+  std::vector<std::uint8_t> inside(2), little(1);
+  std::vector<T> out(2);
+  EXPECT_THROW(body.inside(points, inside, 1), InvalidInput);
+  EXPECT_THROW(body.signed_distance(points, out, 1), InvalidInput);
+  points.pop_back();
+  EXPECT_THROW(body.inside(points, inside, 1), InvalidInput);
+  EXPECT_THROW(body.inside(points, little, 0), InvalidInput);
+  mesh.faces[3][1] = 99;
+  EXPECT_THROW((SignedDistance<TypeParam, Pseudonormal>(mesh)), InvalidInput);
+}
+
+TYPED_TEST(SignedDistances, OfNothing) {
+  using T = typename TypeParam::Scalar;
+  const SignedDistance<TypeParam, Pseudonormal> nothing(Mesh<T>{});
+  EXPECT_TRUE(nothing.closed());
+  EXPECT_FALSE(nothing.inside({0, 0, 0}));
+  EXPECT_EQ(nothing.signed_distance({0, 0, 0}), std::numeric_limits<T>::infinity());
+  const SignedDistance<TypeParam, Winding> nor_this(Mesh<T>{});
+  EXPECT_FALSE(nor_this.inside({0, 0, 0}));
+}
+
+// A spike whose faces' planes lie on both sides of points above its tip: face normals give the wrong sign
+// there, angle-weighted ones do not (Baerentzen and Aanaes 2005, figure 2).
+TEST(Pseudonormals, AreRightEverywhere) {
+  for (const Mesh3f& mesh : {bumpy(3, 1), shells()}) {
+    const SignedDistance<Bvh<Triangles<double>>, Pseudonormal> body([&] {
+      Mesh<double> m;
+      for (const auto& p : mesh.vertices) m.vertices.push_back(Vec3d(p));
+      m.faces = mesh.faces;
+      return m;
+    }());
+    const SignedDistance<WideTree, Pseudonormal> wide(mesh);
+    std::size_t by_feature[3] = {};
+    for (const Point3f& p : points_about(mesh, 4000, 41)) {
+      ASSERT_EQ(body.inside(Vec3d(p)), truth_of(mesh, p).inside());
+      ASSERT_EQ(wide.inside(p), truth_of(mesh, p).inside());
+      const int feature = static_cast<int>(body.tree().closest_point(Vec3d(p)).feature);
+      ++by_feature[feature == 0 ? 0 : feature < 4 ? 1 : 2];
+    }
+    for (const std::size_t n : by_feature) EXPECT_GT(n, 50u);
+  }
+}
+
+TEST(Pseudonormals, OfACorner) {
+  Mesh3f mesh;
+  add_box(mesh, {{0, 0, 0}, {1, 1, 1}});
+  const PseudonormalTable<float> table(mesh);
+  for (std::size_t f = 0; f < mesh.size(); ++f)
+    for (std::size_t i = 0; i < 3; ++i) {
+      // Whichever way the sides are cut in two, a corner's normal is the space diagonal.
+      const Vec3d p(mesh.vertices[mesh.faces[f][i]]), n = table.vertex_normal(f, i);
+      for (int k = 0; k < 3; ++k) EXPECT_NEAR(n[k], (2 * p[k] - 1) / std::sqrt(3), 1e-15);
+    }
+}
+
+// Faces without area, of both kinds: two corners in one place, and three on a line. They close the mesh and
+// have no normal.
+TEST(Pseudonormals, FacesWithoutAreaHaveNone) {
+  Mesh3f mesh;
+  add_box(mesh, {{-1, -1, -1}, {1, 1, 1}});
+  const auto middle = static_cast<std::uint32_t>(mesh.vertices.size());
+  // The first face a b c becomes a b m, m b c with m on c a; c a m closes the slit.
+  const auto [a, b, c] = mesh.faces[0];
+  mesh.vertices.push_back(mesh.vertices[a] * 0.75f + mesh.vertices[c] * 0.25f);
+  mesh.faces[0] = {a, b, middle};
+  mesh.faces.push_back({middle, b, c}), mesh.faces.push_back({a, middle, c});
+  const auto twin = static_cast<std::uint32_t>(mesh.vertices.size());
+  const auto [d, e, f] = mesh.faces[5];
+  mesh.vertices.push_back(mesh.vertices[d]);
+  mesh.faces[5] = {twin, e, f};
+  mesh.faces.push_back({d, e, twin}), mesh.faces.push_back({d, twin, f});
+  ASSERT_TRUE(geometry::Adjacency(mesh).closed());
+  const SignedDistance<BruteForce<Triangles<float>>, Pseudonormal> body(mesh);
+  const SignedDistance<Bvh<Triangles<float>>, Pseudonormal> tree(mesh);
+  const SignedDistance<WideTree, Pseudonormal> wide(mesh);
+  ASSERT_TRUE(body.closed() && body.oriented());
+  Pcg32 random(43);
+  for (int i = 0; i < 4000; ++i) {
+    Point3f p = in_cube(random, 1.5f);
+    if (i % 2 == 0) p = mesh.vertices[i % 4 == 0 ? middle : twin] + in_cube(random, 0.125f);
+    const double d = box_distance(Vec3d(p), {1, 1, 1});
+    ASSERT_EQ(body.inside(p), d <= 0) << p[0] << " " << p[1] << " " << p[2];
+    ASSERT_EQ(tree.inside(p), d <= 0);
+    ASSERT_EQ(wide.inside(p), d <= 0);
+  }
+}
+
+// Faces that a tree leaves out leave no trace in the normals of the others.
+TEST(Pseudonormals, FacesThatAreNotFiniteAreLeftOut) {
+  const Mesh3f mesh = bumpy(2, 1);
+  Mesh3f spoiled = mesh;
+  const auto first = static_cast<std::uint32_t>(spoiled.vertices.size());
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (int i = 0; i < 40; ++i) spoiled.vertices.push_back({nan, static_cast<float>(i % 3), nan});
+  for (std::uint32_t i = 0; i < 40; ++i) spoiled.faces.push_back({first + i, i, i + 1});
+  using Brute = BruteForce<Triangles<float>>;
+  EXPECT_THROW((SignedDistance<Brute, Pseudonormal>(spoiled)), InvalidInput);
+  const SignedDistance<Brute, Pseudonormal> one(mesh), other(spoiled, {.non_finite = NonFinite::drop});
+  for (const Point3f& p : points_about(mesh, 500, 45)) ASSERT_EQ(one.inside(p), other.inside(p));
+}
+
+TEST(Pseudonormals, SoupsAreWelded) {
+  const Mesh3f mesh = bumpy(2, 1);
+  Mesh3f soup;
+  for (std::size_t f = 0; f < mesh.size(); ++f) {
+    const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+    for (const std::uint32_t v : mesh.faces[f]) soup.vertices.push_back(mesh.vertices[v]);
+    soup.faces.push_back({first, first + 1, first + 2});
+  }
+  const SignedDistance<BruteForce<Triangles<float>>, Pseudonormal> one(mesh), other(soup);
+  EXPECT_TRUE(other.closed() && other.oriented());
+  for (const Point3f& p : points_about(mesh, 1000, 44)) ASSERT_EQ(one.inside(p), other.inside(p));
+}
+
+// ---- winding numbers -----------------------------------------------------------------------------------
+
+TEST(Windings, AreWholeNumbersForClosedMeshes) {
+  Mesh3f mesh = shells();
+  append(mesh, bumpy(2, 6, {0.05f, 0, 0}, 0.125f));  // winds twice
+  const WindingTree<float> exact(mesh, std::numeric_limits<double>::infinity(), 1), near(mesh, 2, 1),
+      nearer(mesh, 4, 1);
+  std::vector<Triangle<double>> triangles;
+  for (const auto& t : triangles_of(mesh)) triangles.push_back(Triangle<double>(t));
+  const Bvh<Triangles<double>> surface{std::span<const Triangle<double>>(triangles)};
+  double worst = 0, worst_nearer = 0;
+  int most = 0;
+  for (const Point3f& p : points_about(mesh, 2000, 51)) {
+    const Truth truth = truth_of(mesh, p);
+    const WindingNumber w = exact(p);
+    ASSERT_EQ(w.on_surface, truth.on);
+    if (truth.on) continue;
+    // The angle turns by a rounding over the square of how far the face's edges are, in its own lengths.
+    const double d2 = surface.closest_point(Vec3d(p)).distance2;
+    ASSERT_NEAR(w.value, truth.winding, 1e-15 * (1 + 1 / d2));
+    worst = std::max(worst, std::abs(near(p).value - truth.winding));
+    worst_nearer = std::max(worst_nearer, std::abs(nearer(p).value - truth.winding));
+    most = std::max(most, truth.winding);
+  }
+  EXPECT_EQ(most, 2);
+  EXPECT_LT(worst, 0.02);
+  EXPECT_LT(worst_nearer, worst / 4);  // of third order in 1 / reach
+  EXPECT_GT(worst, 1e-6);
+}
+
+TEST(Windings, OfAnOpenMeshIsItsSolidAngle) {
+  Mesh3f mesh;  // a square of side 2 seen from above its middle at height h: closed form
+  mesh.vertices = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  mesh.faces = {{0, 1, 2}, {0, 2, 3}};
+  const WindingTree<float> tree(mesh, std::numeric_limits<double>::infinity(), 1);
+  for (const float h : {0.125f, 1.f, 16.f}) {
+    const double solid = 4 * std::asin(1 / (1 + double(h) * h));
+    EXPECT_NEAR(tree({0.0f, 0.0f, -h}).value, solid / (4 * std::numbers::pi), 1e-12);
+    EXPECT_NEAR(tree({0.0f, 0.0f, h}).value, -solid / (4 * std::numbers::pi), 1e-12);
+  }
+  EXPECT_TRUE(tree({0.5f, 0.25f, 0}).on_surface);
+  EXPECT_FALSE((SignedDistance<WideTree, Winding>(mesh).closed()));
+}
+
+// A group's moments against the sum over its faces, at every size that float holds.
+TEST(Windings, FarGroupsKeepTheirRange) {
+  for (const float scale : {0x1p-60f, 1.f, 0x1p60f}) {
+    Mesh3f mesh = bumpy(3, 7, {}, scale);
+    mesh.faces.resize(mesh.size() / 3);  // open: the number varies
+    const WindingTree<float> exact(mesh, std::numeric_limits<double>::infinity(), 1), fast(mesh, 2, 1);
+    Pcg32 random(53);
+    for (int i = 0; i < 300; ++i) {
+      const Point3f p = in_cube(random, 4 * scale);
+      ASSERT_NEAR(exact(p).value, fast(p).value, 5e-3);
+    }
+  }
+}
+
+TEST(Windings, StandHolesWhereRaysDoNot) {
+  Mesh3f mesh = bumpy(4, 1);
+  const Mesh3f whole = mesh;
+  std::erase_if(mesh.faces, [&](const auto& f) { return mesh.vertices[f[0]][2] > 0.85f; });
+  const SignedDistance<WideTree, Winding> winding(mesh);
+  const SignedDistance<WideTree, RayParity> parity(mesh);
+  EXPECT_FALSE(winding.closed());
+  std::size_t wrong = 0, wrong_parity = 0;
+  for (const Point3f& p : points_about(whole, 3000, 54)) {
+    const Truth truth = truth_of(whole, p);
+    if (truth.on) continue;
+    wrong += winding.inside(p) != truth.inside(), wrong_parity += parity.inside(p) != truth.inside();
+  }
+  EXPECT_LT(wrong, 60u);
+  EXPECT_GT(wrong_parity, 2 * wrong);
+}
+
+TEST(Windings, RefuseReachesBelowOne) {
+  EXPECT_THROW(WindingTree<float>(bumpy(1, 1), 0.5, 1), InvalidInput);
+  EXPECT_THROW(WindingTree<float>(bumpy(1, 1), std::nan(""), 1), InvalidInput);
+}
+
+// ---- closedness ----------------------------------------------------------------------------------------
+
+TEST(Closedness, IsWhatAdjacencyFinds) {
+  Pcg32 random(61);
+  for (int i = 0; i < 200; ++i) {
+    Mesh3f mesh = bumpy(1, 1);
+    for (int damage = static_cast<int>(random.below(3)); damage > 0; --damage) {
+      const auto f = random.below(static_cast<std::uint32_t>(mesh.size()));
+      switch (random.below(4)) {
+        case 0:
+          mesh.faces.erase(mesh.faces.begin() + f);
+          break;
+        case 1:
+          std::swap(mesh.faces[f][0], mesh.faces[f][1]);
+          break;
+        case 2: {
+          const auto copy = mesh.faces[f];
+          mesh.faces.push_back(copy);
+          break;
+        }
+        default:
+          mesh.faces[f][0] = mesh.faces[f][1];
+      }
+    }
+    const geometry::Adjacency adjacency(mesh);
+    const geometry::Closedness found = geometry::closedness(mesh);
+    ASSERT_EQ(found.closed, adjacency.closed());
+    ASSERT_EQ(found.oriented, adjacency.closed() && adjacency.oriented());
+  }
+  Mesh3f bad = bumpy(1, 1);
+  bad.faces[2][0] = 1000;
+  EXPECT_THROW(geometry::closedness(bad), std::out_of_range);
+}
+
+}  // namespace
+}  // namespace treeline::accel::test
