@@ -57,7 +57,8 @@ class TriangleInput {
     alignas(16) Point scaled_centre{};
     float unused_too = 0;
     TriangleScale<float> scale;
-    Box bounds;  // in the tree's space
+    Box bounds;       // in the tree's space
+    float reach = 0;  // the largest of its coordinates
 
     Point to_user(const Point& p) const { return scale.unscaled(p) + centre; }
   };
@@ -150,6 +151,7 @@ class TriangleInput {
       for (const Point& p : {triangles_[i].a, triangles_[i].b, triangles_[i].c})
         if (const float m = largest(p - centre); m > 0) sample.push_back(m);
     const float most = std::max(largest(box.low - centre), largest(box.high - centre));
+    place_.reach = most;
     if (sample.empty()) sample.push_back(most);
     const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
     std::nth_element(sample.begin(), middle, sample.end());
@@ -164,6 +166,7 @@ class TriangleInput {
       }
     });
     place_.bounds = {moved(box.low), moved(box.high)};
+    place_.reach = std::max(largest(place_.bounds.low), largest(place_.bounds.high));
   }
   static float largest(const Point& p) { return std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}); }
 

@@ -115,7 +115,8 @@ class ClosestPlace {
     const auto held = [&](const F& x) { return min(max(x, zero), one); };
     const V ab = b - a, ac = c - a, bc = c - b, pa = p - a, pb = p - b;
     const F ab2 = dot(ab, ab), ac2 = dot(ac, ac);
-    const auto from_segment = [&](const V& to_p, const V& along, const F& whole) {
+    const auto from_segment = [&](const V& to_p, const V& along, const F& whole)
+        __attribute__((always_inline)) {
       const V r = to_p - along * held(dot(to_p, along) / whole);
       return dot(r, r);
     };

@@ -34,12 +34,16 @@ class EightClosest {
   void measure(const Point& point) {
     using F = simd::Lanes<double>;
     using V = Lanes3<F>;
-    for (int i = size_; i < most; ++i)  // measured along, and not looked at
-      for (auto& rows : corner_)
-        for (auto& row : rows) row[i] = 0;
-    const auto corner = [&](int i) {
-      return V{{F::load(corner_[i][0]), F::load(corner_[i][1]), F::load(corner_[i][2])}};
+    // What is in the lanes beyond is measured along, and not looked at. One alone, the most frequent number,
+    // is in all of them.
+    if (size_ > 1)
+      for (int i = size_; i < most; ++i)
+        for (auto& rows : corner_)
+          for (auto& row : rows) row[i] = 0;
+    const auto row = [&](int i, int k) {
+      return size_ == 1 ? F::broadcast(corner_[i][k][0]) : F::load(corner_[i][k]);
     };
+    const auto corner = [&](int i) { return V{{row(i, 0), row(i, 1), row(i, 2)}}; };
     const V a = corner(0), b = corner(1), c = corner(2);
     const V p{{F::broadcast(point[0]), F::broadcast(point[1]), F::broadcast(point[2])}};
     const F zero = F::broadcast(0), one = F::broadcast(1);

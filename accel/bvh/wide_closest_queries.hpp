@@ -87,7 +87,7 @@ class WideClosestQueries {
   }
 
   template <bool exact, class W>
-  void find(const wide::ClosestQuestion& question, wide::Nearest& best, wide::Ref hint, W& work) const {
+  void find(const wide::ClosestQuestion& question, wide::ClosestSoFar& best, wide::Ref hint, W& work) const {
     tree().each_closest_space([&](const wide::ClosestSpace& space) {
       wide::ClosestSearch<Layout, exact>(space, question, best).run(hint, work);
       hint = wide::no_ref;
@@ -95,12 +95,12 @@ class WideClosestQueries {
   }
   template <class T, bool exact, class W>
   ClosestPoint<T> answer(const wide::ClosestQuestion& question, W& work) const {
-    wide::Nearest best;
+    wide::ClosestSoFar best;
     find<exact>(question, best, wide::no_ref, work);
     return given<T, exact>(question, best);
   }
   template <class T, bool exact>
-  static ClosestPoint<T> given(const wide::ClosestQuestion& question, const wide::Nearest& best) {
+  static ClosestPoint<T> given(const wide::ClosestQuestion& question, const wide::ClosestSoFar& best) {
     ClosestPoint<T> out;
     if (best.id == no_id) return out;
     out.primitive = best.id, out.feature = best.feature;
@@ -140,7 +140,7 @@ class WideClosestQueries {
           __builtin_prefetch(&queries[next]), __builtin_prefetch(&out[next], 1);
         }
         const wide::ClosestQuestion question{queries[i], limit};
-        wide::Nearest best;
+        wide::ClosestSoFar best;
         find<exact>(question, best, hint, work);
         if (best.leaf != wide::no_ref) hint = best.leaf;
         out[i] = given<T, exact>(question, best);

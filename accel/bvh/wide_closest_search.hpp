@@ -26,7 +26,7 @@ struct ClosestSpace {
 };
 
 /// The nearest triangle so far; what is measured is in the user's units.
-struct Nearest {
+struct ClosestSoFar {
   double distance2 = std::numeric_limits<double>::infinity();
   double low = distance2, high = distance2;  // bounds on the true squared distance; where certified
   Id id = no_id;
@@ -47,7 +47,7 @@ class ClosestSearch {
  public:
   using Point = geometry::Vec<double, 3>;
 
-  ClosestSearch(const ClosestSpace& space, const ClosestQuestion& question, Nearest& best)
+  ClosestSearch(const ClosestSpace& space, const ClosestQuestion& question, ClosestSoFar& best)
       : space_(space),
         question_(question),
         best_(best),
@@ -59,13 +59,9 @@ class ClosestSearch {
   template <class W>
   void run(Ref hint, W& work) {
     if (space_.tree.root == no_ref) return;
-    float farthest = 0;
-    for (int k = 0; k < 3; ++k)
-      farthest =
-          std::max({farthest, std::abs(space_.place.bounds.low[k]), std::abs(space_.place.bounds.high[k])});
-    for (int k = 0; k < 3; ++k)
-      if (!(std::abs(point_[k]) <= static_cast<double>(closest_reach))) farthest = infinity;
-    if (farthest <= closest_reach)
+    double farthest = static_cast<double>(space_.place.reach);
+    for (int k = 0; k < 3; ++k) farthest = std::max(farthest, std::abs(point_[k]));
+    if (farthest <= static_cast<double>(closest_reach))
       in_float(hint, work);
     else
       in_double(work);
@@ -94,11 +90,7 @@ class ClosestSearch {
   [[gnu::always_inline]] void in_float(Ref hint, W& work) {
     const ClosestPlace place(geometry::Vec<float, 3>(point_), space_.place.centre != geometry::Vec3f{});
     upper_ = float_most();
-    if (hint != no_ref) {
-      const auto bounds = place.to_triangles(Layout::triangles(leaf_at<Layout>(lines(), hint)));
-      // Those that a refit took away do not count.
-      if (!space_.has_vanished) upper_ = std::min(upper_, smallest(bounds.high));
-    }
+    if (hint != no_ref) visit(hint, place);
     float limit = padded(upper_);
     RayStack<Layout> stack;
     stack.clear(space_.tree.root);
@@ -118,7 +110,7 @@ class ClosestSearch {
       } else {
         work.primitive(Layout::leaf_size);
         ask_for(stack.ref[stack.height - 2]);
-        if (visit(ref, place)) limit = padded(upper_), limit_key = key_of<Layout>(limit);
+        if (ref != hint && visit(ref, place)) limit = padded(upper_), limit_key = key_of<Layout>(limit);
       }
       do {
         if (stack.empty()) return settle();
@@ -302,7 +294,7 @@ class ClosestSearch {
 
   const ClosestSpace& space_;
   const ClosestQuestion& question_;
-  Nearest& best_;
+  ClosestSoFar& best_;
   double factor_, inverse2_;
   Point point_;  // in the tree's space
   float upper_ = 0;

@@ -17,6 +17,7 @@
 #include <array>
 
 #include "accel/bvh/wide_crossing.hpp"
+#include "accel/signed_distance/each_query.hpp"
 #include "geometry/random.hpp"
 #include "geometry/sampling.hpp"
 
@@ -97,18 +98,18 @@ class FirstHit::Rule<Tree> {
   static constexpr std::size_t bytes() { return 0; }
 
   bool inside(const Tree& tree, const Point& q) const {
-    std::uint8_t r = 0;
-    inside(tree, {&q, 1}, {&r, 1}, 1);
-    return r != 0;
+    if (!box_.contains(q)) return false;
+    const wide::Crossings<Tree> crossings(tree);
+    const FirstCrossing first = crossings.first({q, directions_(q, 0)});
+    return first == FirstCrossing::unclear ? tried_again(crossings, q) : says(first);
   }
   void inside(const Tree& tree, std::span<const Point> queries, std::span<std::uint8_t> out,
               int threads) const {
     const wide::Crossings<Tree> crossings(tree);
-    std::vector<std::uint32_t> within;  // the others need no ray
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-      out[i] = 0;
-      if (box_.contains(queries[i])) within.push_back(static_cast<std::uint32_t>(i));
-    }
+    check_threads(threads);
+    std::vector<std::uint32_t> within = asking_order(queries, threads);  // the others need no ray
+    std::fill(out.begin(), out.end(), std::uint8_t{0});
+    std::erase_if(within, [&](std::uint32_t i) { return !box_.contains(queries[i]); });
     crossings.firsts(
         within.size(), threads,
         [&](std::size_t i) {

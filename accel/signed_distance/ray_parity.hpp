@@ -40,9 +40,7 @@ struct RayParity {
     }
     void inside(const Tree& tree, std::span<const Point> queries, std::span<std::uint8_t> out,
                 int threads) const {
-      parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) out[i] = inside(tree, queries[i]) ? 1 : 0;
-      });
+      each_query(queries, threads, [&](std::size_t i) { out[i] = inside(tree, queries[i]) ? 1 : 0; });
     }
 
    private:

@@ -7,6 +7,7 @@
 // Points on a face are inside.
 #pragma once
 
+#include "accel/signed_distance/each_query.hpp"
 #include "accel/signed_distance/winding_tree.hpp"
 
 namespace treeline::accel {
@@ -36,9 +37,7 @@ struct Winding {
     }
     void inside(const Tree& tree, std::span<const Point> queries, std::span<std::uint8_t> out,
                 int threads) const {
-      parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) out[i] = inside(tree, queries[i]) ? 1 : 0;
-      });
+      each_query(queries, threads, [&](std::size_t i) { out[i] = inside(tree, queries[i]) ? 1 : 0; });
     }
 
    private:

@@ -77,10 +77,13 @@ ClosestPointBlock::ClosestPointBlock(BlockInput input, const std::vector<Method>
   for (const PointSet& set : input_.sets) query_sets_.push_back({set.name, set.points.size()});
 }
 
+void ClosestPointBlock::warm_up(std::size_t m, int threads) {
+  // On several threads everybody's: a library that is not asked may keep the others from having them.
+  for (const Method& method : methods_)
+    if (method.warm_up && (threads > 1 || &method == &methods_[m])) method.warm_up(threads);
+}
+
 std::unique_ptr<Subject> ClosestPointBlock::build(std::size_t m, const Knobs& build_knobs, int threads) {
-  if (threads > 1)
-    for (const Method& method : methods_)
-      if (method.allow_threads) method.allow_threads(threads);
   return std::make_unique<ClosestPointSubject>(methods_[m].build(input_.mesh, build_knobs, threads),
                                                input_.sets);
 }

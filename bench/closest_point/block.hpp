@@ -28,6 +28,7 @@ class ClosestPointBlock final : public Block {
   ClosestPointBlock(BlockInput input, const std::vector<Method>& methods);
 
   const std::vector<QuerySet>& query_sets() const override { return query_sets_; }
+  void warm_up(std::size_t m, int threads) override;
   std::unique_ptr<Subject> build(std::size_t m, const Knobs& build_knobs, int threads) override;
   Errors check(std::size_t m, const Subject& subject, std::size_t query_set,
                const Knobs& query_knobs) override;

@@ -135,7 +135,7 @@ const bool registered = Registry<Method>::instance().add(
      .build = [](const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) -> std::unique_ptr<Index> {
        return std::make_unique<EmbreePointQuery>(mesh, knobs, threads);
      },
-     .allow_threads = ray::keep_embree_threads});
+     .warm_up = ray::warm_up_embree});
 
 }  // namespace
 }  // namespace treeline::bench::closest_point

@@ -79,8 +79,9 @@ struct Method {
   /// The ids in its answers are those of the mesh's faces. False where it searches a mesh of its own: then
   /// only the points are judged.
   bool names_triangles = true;
-  /// Lifts a limit on the process's threads that the method's library sets; called before anything is built.
-  std::function<void(int threads)> allow_threads = {};
+  /// Makes what the method's library sets up once a process and lifts the limit that it sets to the threads
+  /// of everybody in it; called before anything is built.
+  std::function<void(int threads)> warm_up = {};
 };
 
 }  // namespace treeline::bench::closest_point

@@ -35,10 +35,13 @@ InsideBlock::InsideBlock(BlockInput input, const std::vector<Method>& methods)
   for (const PointSet& set : input_.sets) query_sets_.push_back({set.name, set.points.size()});
 }
 
+void InsideBlock::warm_up(std::size_t m, int threads) {
+  // A library may limit everybody's threads: the limits are lifted before any of them builds.
+  for (const Method& method : methods_)
+    if (method.warm_up && (threads > 1 || &method == &methods_[m])) method.warm_up(threads);
+}
+
 std::unique_ptr<Subject> InsideBlock::build(std::size_t m, const Knobs& build_knobs, int threads) {
-  if (threads > 1)
-    for (const Method& method : methods_)
-      if (method.allow_threads) method.allow_threads(threads);
   return std::make_unique<InsideSubject>(methods_[m].build(input_.mesh, build_knobs, threads), input_.sets,
                                          input_.must_answer);
 }

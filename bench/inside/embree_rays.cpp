@@ -105,7 +105,7 @@ bool add(const char* name, int ladder) {
        .build = [](const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) -> std::unique_ptr<Index> {
          return std::make_unique<Of>(mesh, knobs, threads);
        },
-       .allow_threads = ray::keep_embree_threads});
+       .warm_up = ray::warm_up_embree});
 }
 [[maybe_unused]] const bool facing = add<EmbreeFacing>("embree_facing", 15);
 [[maybe_unused]] const bool parity = add<EmbreeParity>("embree_parity", 25);

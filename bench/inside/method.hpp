@@ -28,8 +28,9 @@ struct Method {
   std::function<std::unique_ptr<Index>(const geometry::Mesh3f&, const Knobs& build_knobs, int threads)> build;
   /// It goes by the nearest face alone, which says nothing where two faces lie in one another.
   bool by_nearest_face = false;
-  /// Lifts a limit on the process's threads that the method's library sets; called before anything is built.
-  std::function<void(int threads)> allow_threads = {};
+  /// Makes what the method's library sets up once a process and lifts the limit that it sets to the threads
+  /// of everybody in it; called before anything is built.
+  std::function<void(int threads)> warm_up = {};
 };
 
 }  // namespace treeline::bench::inside

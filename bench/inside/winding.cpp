@@ -13,13 +13,12 @@ class WindingIndex final : public Index {
 
   void inside(std::span<const geometry::Vec3f> points, std::span<std::uint8_t> out, const Knobs&,
               int threads) const override {
-    accel::parallel_ranges(points.size(), threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        if (!geometry::is_finite(points[i]))
-          throw accel::InvalidInput("query " + std::to_string(i) + " has a coordinate that is not finite");
-        const accel::WindingNumber w = winding_(points[i]);
-        out[i] = w.on_surface || w.value > 0.5;
-      }
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (!geometry::is_finite(points[i]))
+        throw accel::InvalidInput("query " + std::to_string(i) + " has a coordinate that is not finite");
+    accel::each_query(points, threads, [&](std::size_t i) {
+      const accel::WindingNumber w = winding_(points[i]);
+      out[i] = w.on_surface || w.value > 0.5;
     });
   }
 

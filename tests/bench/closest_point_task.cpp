@@ -30,6 +30,7 @@ TEST(ClosestPointTask, HasTheMethodsThatCMakeLists) {
   // What is listed is source files; each of our binary trees' registers one in double, too.
   for (const char* tree : {"brute", "kd_tree", "bsp_tree", "bvh"})
     listed.insert(std::string(tree) + "_double");
+  listed.insert("bvh_wide_exact");
   EXPECT_EQ(names, listed);
 }
 
