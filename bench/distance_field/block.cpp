@@ -32,7 +32,7 @@ class FieldSubject final : public Subject {
   FieldSubject(const Method& method, const Input& input, const Knobs& knobs,
                const std::vector<std::vector<Vec3f>>& points, const std::vector<geometry::Rayf>& rays,
                bool must_answer)
-      : points_(points), rays_(rays) {
+      : spacing_(input.spacing), points_(points), rays_(rays) {
     keep_refusal(must_answer, refusal_, [&] { field_ = method.build(input, knobs); });
   }
 
@@ -49,10 +49,12 @@ class FieldSubject final : public Subject {
 
   const Field* field() const { return field_.get(); }
   const std::string& refusal() const { return refusal_; }
+  double spacing() const { return spacing_; }
   std::vector<float> distances;
   std::vector<TraceAnswer> traced;
 
  private:
+  double spacing_;
   const std::vector<std::vector<Vec3f>>& points_;
   const std::vector<geometry::Rayf>& rays_;
   std::unique_ptr<Field> field_;
@@ -261,7 +263,7 @@ class FieldBlock final : public Block {
     const std::vector<double> there = truth().distances(met, input_.threads);
     for (std::size_t i = 0; i < met.size(); ++i) {
       const auto certain = subject.field()->certain(met[i], knobs);
-      if (std::abs(there[i]) > certain->error + std::abs(certain->distance) + slack_)
+      if (std::abs(there[i]) > certain->error + hit_tolerance * subject.spacing() + slack_)
         broken(e,
                "a ray's hit at " + place(met[i]) + " is " + std::to_string(there[i]) + " from the surface");
     }
@@ -276,14 +278,16 @@ class FieldBlock final : public Block {
     return e;
   }
 
-  /// The samples themselves, in cells.
+  /// The samples themselves, in longest sides.
   void check_samples(const Field& field, Errors& e) {
     const std::vector<Sample> samples = field.samples(sampled);
-    Knobs &max = e.extra["distance_field_sample_error_max"],
-          &mean = e.extra["distance_field_sample_error_mean"],
-          &wrong = e.extra["distance_field_sample_signs_wrong"];
-    max = mean = wrong = nullptr;
-    if (samples.empty()) return;
+    Knobs max, mean, wrong;  // null where there is nothing to say
+    const auto tell = [&] {
+      e.extra["distance_field_sample_error_max"] = max;
+      e.extra["distance_field_sample_error_mean"] = mean;
+      e.extra["distance_field_sample_signs_wrong"] = wrong;
+    };
+    if (samples.empty()) return tell();
     std::vector<Vec3d> at;
     for (const Sample& s : samples) at.push_back(s.at);
     const std::vector<double> d = truth().distances(at, input_.threads);
@@ -296,6 +300,7 @@ class FieldBlock final : public Block {
     }
     max = worst, mean = sum / static_cast<double>(at.size());
     if (truth().has_sides()) wrong = share(signs, at.size());
+    tell();
   }
 
   static Knobs share(std::size_t part, std::size_t whole) {

@@ -23,6 +23,9 @@ struct TraceAnswer {
   bool doubtful = false;    ///< a miss that says it may be none
 };
 
+/// A field's own rays end where it says the surface is this near, in cells.
+inline constexpr double hit_tolerance = 1e-3;
+
 /// A place where the field keeps a distance of its own, and that distance.
 struct Sample {
   geometry::Vec3d at;

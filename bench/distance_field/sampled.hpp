@@ -32,7 +32,7 @@ class Sampled final : public Field {
   void trace(std::span<const geometry::Rayf> rays, const Knobs&, int threads,
              std::span<TraceAnswer> out) const override {
     accel::field::TraceOptions options;
-    options.tolerance = 1e-3 * samples_.lattice().spacing;
+    options.tolerance = hit_tolerance * samples_.lattice().spacing;
     accel::parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const geometry::Rayf& r = rays[i];

@@ -9,8 +9,8 @@
 //     the signed bias alike. uniform: points of the box and a tenth around it: the share of wrong sides, as
 //     beyond its band a field knows no more. trace: rays from all around through the box: the error of t in
 //     longest sides, at most 1, which is that of a false hit and of a false miss.
-// Fields of its own (distance_field_…): spacing (in longest sides); sample_error_max, _mean (of the samples
-// in the band, in cells), sample_signs_wrong (their share, null where nothing tells sides); signs_wrong;
+// Fields of its own (distance_field_…): sample_error_max, _mean (in longest sides, of the samples
+// in the band), sample_signs_wrong (their share, null where nothing tells sides); signs_wrong;
 // steps_mean, steps_max, exhausted, false_hits, false_misses, untold_misses (misses where there is a hit, and
 // the field did not say that it might be), and what the field tells of itself: known_samples, bound_cells
 // (the mean of its bricks' bounds on the error, in cells), told_closed, sign_conflicts. Truth: truth.hpp.

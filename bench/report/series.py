@@ -6,7 +6,7 @@ batches from rows that carry the field <task>_batch.
 
 from dataclasses import dataclass
 
-from bench.report import charts
+from bench.report import charts, fields
 from bench.report.frontier import right
 from bench.report.units import count
 
@@ -36,7 +36,8 @@ class Card:
 
 def cards(task, numbers, width="container", legend=False):
     """All cards of a task that its rows can fill. numbers: {id(row): its number in the page's table}."""
-    made = (_threads(task, numbers, width, legend), _batches(task, numbers, width, legend))
+    made = (_threads(task, numbers, width, legend), _batches(task, numbers, width, legend),
+            _resolutions(task, numbers, width, legend))
     return [card for card in made if card and card.figures]
 
 
@@ -145,3 +146,13 @@ def _batches(task, numbers, width, legend):
         title = f"{dataset}, {count(size)} {task.text.element}s there at a time"
         out.append(Figure(f"{task.name}-batches-{dataset}", title, dataset, chart))
     return Card(f"{task.name}-card-changes", "Changes", BATCHES, out, tuple(methods))
+
+
+# ---- resolutions -------------------------------------------------------------------------------------------------
+
+
+def _resolutions(task, numbers, width, legend):
+    if task.name != "distance_field":
+        return None
+    found = [Figure(*figure) for figure in fields.figures(task, numbers, width, legend)]
+    return Card(f"{task.name}-card-resolution", "Resolution", fields.CAPTION, found)

@@ -16,6 +16,16 @@ class TaskText:
 
 
 TASKS = {
+    "distance_field": TaskText(
+        "Distance fields of meshes",
+        "How far is it to the surface, on which side, and what does a ray meet, if only samples of the distance are kept?",
+        "triangle", "query", "mean error in longest sides",
+        "How far a distance is off, in lengths of the longest side of the mesh's box; for uniform, the share of wrong sides; "
+        "for trace, how far off the hit is, where a false hit or a false miss counts 1. Fields know distances in a band of 3 "
+        "cells on either side of the surface.",
+        (("near", "points within 1 % of the longest side from the surface"),
+         ("uniform", "points of the mesh's box and a tenth around it"),
+         ("trace", "where rays from all around first meet the surface"))),
     "inside": TaskText(
         "Points in meshes",
         "Is a point inside a mesh?",
