@@ -1,6 +1,7 @@
-// Our wide bounding volume hierarchy. Methods bvh_wide, right to the rounding of double, and bvh_wide_exact,
-// which decides exactly which triangle is nearest. The knob order: batches as they are given, or along a
-// curve through space, each query begun where the one before has ended.
+// Our wide bounding volume hierarchy. Methods bvh_wide, whose answers are those of double, and
+// bvh_wide_exact, which decides exactly which triangle is nearest and how far; the point on a sliver is as
+// double finds it. The knob order: batches as they are given, or along a curve through space, each query
+// begun where the one before has ended.
 #include "accel/bvh/wide_triangles.hpp"
 
 #include "bench/closest_point/tree_index.hpp"
@@ -36,8 +37,7 @@ bool add(const char* name, Claim claim, int ladder, auto build) {
                 .claim = claim,
                 .query_knobs = {Knobs{{"order", "curve"}}, Knobs{{"order", "given"}}},
                 .ladder = ladder},
-       .build = build,
-       .roundoff = geometry::tolerance::unit_roundoff<double>});
+       .build = build});
 }
 
 const bool registered =

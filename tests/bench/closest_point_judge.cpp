@@ -99,6 +99,15 @@ TEST(ClosestPointJudge, ExactMethodsMustNameANearestTriangle) {
   EXPECT_FALSE(j.much_farther);
 }
 
+TEST(ClosestPointJudge, ExactMethodsTellTheDistanceToTheLastDigit) {
+  Answer a = answer({0.75, 0.25, 0}, 0, above);
+  a.distance2 = 1 + 0x1p-52;
+  EXPECT_EQ(judged(above, a, exact).verdict, Verdict::right) << "the next double";
+  a.distance2 = 1 + 0x1p-50;
+  EXPECT_EQ(judged(above, a, exact).verdict, Verdict::wrong_distance);
+  EXPECT_EQ(judged(above, a, bounded).verdict, Verdict::right) << "of others the point is judged";
+}
+
 TEST(ClosestPointJudge, TellsAnswersThatAreNone) {
   EXPECT_EQ(judged(above, {}, approximate).verdict, Verdict::missing);
   EXPECT_EQ(judged(above, {}, approximate).error, 1);
