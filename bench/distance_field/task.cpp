@@ -16,7 +16,9 @@ constexpr const char* damaged[] = {"nested_shells",          "icosphere+nested",
                                    "icosphere+degenerate_1", "icosphere+unwelded",   "icosphere+inside_out"};
 constexpr std::size_t damaged_size = 5000;
 
-/// Those of the task ray that differ in their mesh, not in their rays; where one size is telling.
+/// Those of the task ray that differ in their mesh, not in their rays; where one size is telling. (Not
+/// closed_sphere_at_1e5: there single precision has room for four places a cell, and ours refuse, by
+/// contract.)
 constexpr const char* of_rays[] = {"points_as_triangles",
                                    "segments_as_triangles",
                                    "repeated_corner_index",
@@ -24,7 +26,6 @@ constexpr const char* of_rays[] = {"points_as_triangles",
                                    "caps",
                                    "coincident_triangles",
                                    "closed_sphere_at_1e3",
-                                   "closed_sphere_at_1e5",
                                    "vertex_at_1e25",
                                    "one_triangle",
                                    "nan_vertices",
