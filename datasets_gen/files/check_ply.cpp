@@ -217,6 +217,9 @@ void check_meaning(const Input& in, const Header& h) {
           std::ranges::count_if(e.properties, [&](const auto& p) { return is_corner_list(e, p); }) != 1)
         in.fail("header", "the faces have no list called vertex_indices or vertex_index");
     }
+    if (e.name == "tristrips" && e.count > 0)
+      in.fail("header",
+              "keeps triangles in strips (element 'tristrips'), which are not read; save them as faces");
     if (e.properties.empty() && e.count > 0)
       in.fail("header", "element " + in_quotes(e.name) + " has no properties");
   }

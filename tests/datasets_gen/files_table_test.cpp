@@ -315,5 +315,27 @@ TEST_F(BadFiles, GltfOfOtherTypes) {
               "indices names an accessor");
 }
 
+TEST_F(BadFiles, GltfThatNeedsWhatIsNotRead) {
+  if (!reads("gltf")) GTEST_SKIP();
+  const std::string good = gltf_text(tetrahedron()), start = R"({"asset")";
+  const auto needing = [&](const std::string& list) {
+    return replaced(good, start, R"({"extensionsRequired":)" + list + R"(,"asset")");
+  };
+  for (const std::string name : {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "ACME_surfaces"})
+    expect_says(answer("a.gltf", needing(R"(["KHR_materials_unlit",")" + name + R"("])")),
+                "extensionsRequired: the file needs '" + name + "', which is not read");
+  EXPECT_EQ(answer("b.gltf", needing(R"(["KHR_materials_unlit","KHR_texture_transform"])")), "read");
+  expect_says(answer("c.gltf", needing("7")), "extensionsRequired: is no list");
+  expect_says(answer("d.gltf", needing("[7]")), "its JSON is broken");
+}
+
+TEST_F(BadFiles, PlyThatKeepsTrianglesInStrips) {
+  if (!reads("ply")) GTEST_SKIP();
+  expect_says(answer("a.ply", ply_start + ply_xyz +
+                                  "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+                                  "0 0 0\n1 0 0\n0 1 0\n0 0 1\n5 0 1 2 3 -1\n"),
+              "triangles in strips (element 'tristrips')");
+}
+
 }  // namespace
 }  // namespace treeline::datasets
