@@ -2,11 +2,13 @@
 // knows a short cut near the surface, side(point, closest point).
 //
 // How often a closed, oriented mesh goes around a point does not change where no face is passed; with
-// "inside" where that is more than 0 times, distances are 1-Lipschitz with their sign, whatever touches,
-// coincides or crosses. A mesh that is open has no inside everywhere, and policies differ: facing goes by the
-// nearest faces and repairs small holes, a winding number averages.
+// "inside" where that is more than 0 times (more than -1 times if the mesh is inside out: its faces look at
+// what they enclose), distances are 1-Lipschitz with their sign, whatever touches, coincides or crosses. A
+// mesh that is open has no inside everywhere, and policies differ: facing goes by the nearest faces and
+// repairs small holes, a winding number averages.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <type_traits>
@@ -80,7 +82,8 @@ class Facing {
 /// By how often the mesh goes around a point: the crossings of one ray, counted with their signs, each
 /// decided exactly (bvh/wide_crossing.hpp). A ray that meets an edge or a corner says nothing, and another
 /// direction is tried. Points on the mesh are inside. For closed, oriented meshes: faces may touch, coincide
-/// and cross, and what is enclosed more than 0 times is inside.
+/// and cross, and what is enclosed more than 0 times is inside; of a mesh whose volume is negative, which is
+/// inside out, what is enclosed more than -1 times.
 template <class Tree>
 class CrossingSum {
   using Exact = std::conditional_t<ExactCrossings<Tree>, Tree, Bvh<Triangles<float>, Wide>>;
@@ -97,18 +100,27 @@ class CrossingSum {
       exact_ = (own_ = std::make_unique<Exact>(mesh, options)).get();
     }
     box_ = exact_->bounds();
-    if (!box_.empty()) directions_ = ProbeDirections(box_.centre());
+    if (box_.empty()) return;
+    directions_ = ProbeDirections(box_.centre());
+    const Vec3d centre(box_.centre());
+    double volume = 0;  // six times
+    for (Id face = 0; face < mesh.size(); ++face) {
+      const auto t = mesh.triangle(face);
+      volume += dot(Vec3d(t.a) - centre, cross(Vec3d(t.b) - centre, Vec3d(t.c) - centre));
+    }
+    outside_ = volume < 0 ? -1 : 0;
   }
 
   bool inside(const Vec3f& p) const { return decided(p).value_or(false); }
   /// None where all rays met edges.
   std::optional<bool> decided(const Vec3f& p) const {
-    if (!box_.contains(p)) return false;
+    if (!box_.contains(p)) return outside_ < 0;
     const wide::Crossings<Exact> crossings(*exact_);
     for (int attempt = 0; attempt < ProbeDirections::most; ++attempt) {
       const CrossingCount count = crossings.count({p, directions_(p, attempt)});
       if (count.surface) return true;
-      if (!count.unclear) return count.outward > count.inward;
+      if (!count.unclear)
+        return std::int64_t(count.outward) - std::int64_t(count.inward) > std::int64_t(outside_);
     }
     return std::nullopt;
   }
@@ -118,6 +130,7 @@ class CrossingSum {
   const Exact* exact_ = nullptr;
   geometry::Box3f box_;
   ProbeDirections directions_;
+  int outside_ = 0;  // how often the mesh goes around what is outside
 };
 
 /// CrossingSum where the mesh is closed, else Facing.

@@ -82,6 +82,20 @@ TEST(FieldSigns, WhereShellsCrossNestAndCoincide) {
 }
 
 // Two unit boxes: a ray along x meets the first of them 1 from its start, from either end.
+// A mesh inside out bounds what is around it: a room, with the very distances of the box but for their sign.
+TEST(FieldSigns, AMeshInsideOutBoundsWhatIsAroundIt) {
+  const Mesh3f box = boxes({left});
+  Mesh3f room = box;
+  for (auto& face : room.faces) std::swap(face[1], face[2]);
+  const auto of_box = sample_mesh<BrickSamples>(box, Tree(box), resolution(16));
+  const auto of_room = sample_mesh<BrickSamples>(room, Tree(room), resolution(16));
+  EXPECT_TRUE(of_room.report().certain());
+  const Lattice& l = of_box.lattice();
+  for (int k = 0; k < l.samples(2); ++k)
+    for (int j = 0; j < l.samples(1); ++j)
+      for (int i = 0; i < l.samples(0); ++i) ASSERT_EQ(of_room.value(i, j, k), -of_box.value(i, j, k));
+}
+
 TEST(FieldSigns, RaysMeetTheNearerOfTwoBoxesThatTouch) {
   for (const auto& mesh : {boxes({left, right}), boxes({right, left})})
     for (const int cells : {8, 12, 16, 24, 40}) {
