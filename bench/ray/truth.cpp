@@ -6,42 +6,27 @@
 
 #include <array>
 
+#include "geometry/exact/ray_triangle.hpp"
+
 namespace treeline::bench::ray {
 namespace {
 
 using accel::Id;
 using geometry::Mesh3f;
 using geometry::Rayd;
-using geometry::Vec;
 using geometry::Vec3d;
-using Wide = __float128;  // 113 bits
-using Vec3w = Vec<Wide, 3>;
-
 bool finite(const Rayd& r) {
   return geometry::is_finite(r.origin) && geometry::is_finite(r.direction) && !std::isnan(r.t_min) &&
          !std::isnan(r.t_max) && geometry::length2(r.direction) > 0;
 }
 
-Vec3w wide(const Vec3d& v) { return {Wide(v[0]), Wide(v[1]), Wide(v[2])}; }
-
 /// Updates best if the ray hits the face nearer (or as near, with a lower id).
 void try_face(const Mesh3f& mesh, Id face, const Rayd& ray, TrueHit& best) {
   const geometry::Triangle3f triangle = mesh.triangle(face);
   if (!geometry::is_finite(triangle)) return;
-  const Vec3w o = wide(ray.origin), d = wide(ray.direction);
-  const Vec3w a = wide(Vec3d(triangle.a)) - o, b = wide(Vec3d(triangle.b)) - o,
-              c = wide(Vec3d(triangle.c)) - o;
-  const Vec3w n = geometry::cross(b - a, c - a);
-  Wide det = geometry::dot(n, d);
-  if (det == 0) return;  // in the ray's plane, or of no area
-  Wide u = geometry::dot(d, geometry::cross(b, c)), v = geometry::dot(d, geometry::cross(c, a)),
-       w = geometry::dot(d, geometry::cross(a, b)), depth = geometry::dot(n, a);
-  if (det < 0) det = -det, u = -u, v = -v, w = -w, depth = -depth;
-  if (u < 0 || v < 0 || w < 0) return;
-  if (depth < Wide(ray.t_min) * det) return;
-  if (std::isfinite(ray.t_max) ? depth > Wide(ray.t_max) * det : ray.t_max < 0) return;
-  const double t = static_cast<double>(depth / det);
-  if (t < best.t || (t == best.t && face < best.primitive)) best = {t, face};
+  const geometry::Triangle3d exact{Vec3d(triangle.a), Vec3d(triangle.b), Vec3d(triangle.c)};
+  const auto t = geometry::exact_hit<double>(ray, exact);
+  if (t && (*t < best.t || (*t == best.t && face < best.primitive))) best = {*t, face};
 }
 
 /// A run of triangles as nine arrays of doubles, small enough to stay in the first caches over many rays.

@@ -139,7 +139,8 @@ class Values {
     if (!(n >= 0) || n != std::floor(n)) fail("a list of length " + std::to_string(n));
     const std::size_t room = header_.binary ? in_.bytes.size() - at_ : words_.size() - word_;
     if (n > static_cast<double>(room))
-      fail("a list of length " + std::to_string(std::size_t(n)) + " runs past the end");
+      fail("a list of length " + (n < 0x1p53 ? std::to_string(std::size_t(n)) : std::to_string(n)) +
+           " runs past the end");
     return static_cast<std::size_t>(n);
   }
   [[noreturn]] void fail(const std::string& problem) const {

@@ -155,6 +155,9 @@ TEST_F(BadFiles, CountsThatNoFileCouldHold) {
   expect_says(answer("g.off", "OFF\n6 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), "line 6");
   expect_says(answer("h.ply", replaced(ply_text_file, "3 0 1 3", "200 0 1 3")),
               "face 1, line 15: a list of length 200");
+  // Found by fuzzing: a length that no integer holds.
+  const std::string float_lengths = replaced(ply_text_file, "list uchar int", "list float int");
+  expect_says(answer("i.ply", replaced(float_lengths, "3 0 1 3", "2.1e+40 0 1 3")), "runs past the end");
 }
 
 TEST_F(BadFiles, HeadersThatDoNotEnd) {
