@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <span>
 
 namespace treeline::datasets {
 namespace {
@@ -15,7 +18,7 @@ struct Named {
   const Finding& finding;
 };
 
-std::array<Named, 10> findings_of(const MeshCheck& m) {
+std::array<Named, 11> findings_of(const MeshCheck& m) {
   return {{{"non_finite_vertices", "vertices that are not finite", m.non_finite_vertices},
            {"unused_vertices", "vertices without a face", m.unused_vertices},
            {"duplicate_vertices", "vertices at the position of an earlier one", m.duplicate_vertices},
@@ -25,7 +28,9 @@ std::array<Named, 10> findings_of(const MeshCheck& m) {
            {"boundary_edges", "edges with one face", m.boundary_edges},
            {"non_manifold_edges", "edges with more than two faces", m.non_manifold_edges},
            {"misoriented_edges", "edges whose faces look to different sides", m.misoriented_edges},
-           {"non_manifold_vertices", "vertices where several fans of faces touch", m.non_manifold_vertices}}};
+           {"non_manifold_vertices", "vertices where several fans of faces touch", m.non_manifold_vertices},
+           {"misnested_components", "closed parts that look the wrong way for where they lie",
+            m.misnested_components}}};
 }
 
 /// The crossings as a finding like the others.
@@ -41,8 +46,12 @@ std::string coordinates(const geometry::Vec3f& p) {
 }
 
 std::string line_of(const geometry::Mesh3f& mesh, const Finding::Example& example) {
+  constexpr std::size_t most_faces = 4;  // an edge may have any number of them
   std::string r;
-  for (const std::uint32_t f : example.faces) r += fmt::format("{}{}", r.empty() ? "face " : ", face ", f);
+  for (const std::uint32_t f : std::span(example.faces).first(std::min(most_faces, example.faces.size())))
+    r += fmt::format("{}{}", r.empty() ? "face " : ", face ", f);
+  if (example.faces.size() > most_faces)
+    r += fmt::format(" and {} more faces", example.faces.size() - most_faces);
   for (const std::uint32_t v : example.vertices)
     r += fmt::format("{}vertex {} {}", r.empty() ? "" : ", ", v, coordinates(mesh.vertices[v]));
   if (example.vertices.empty() && !example.faces.empty())
@@ -112,7 +121,9 @@ std::string as_text(const Dataset& dataset, const Diagnosis& d) {
       fmt::format("{}: {} triangles, {} vertices, {} edges\n", dataset.name, m.faces, m.vertices, m.edges);
   for (const std::string& note : dataset.notes) out += fmt::format("  read with a note: {}\n", note);
   out += fmt::format("  closed: {}; consistently oriented: {}; ", yes_or_no(m.closed), yes_or_no(m.oriented));
-  if (m.closed && m.oriented)
+  if (m.closed && m.oriented && !std::isfinite(m.volume))
+    out += "no volume, as a vertex is not finite\n";
+  else if (m.closed && m.oriented)
     out += fmt::format("signed volume {:.9g}: faces look {}\n", m.volume,
                        m.volume > 0   ? "outward"
                        : m.volume < 0 ? "inward"
@@ -123,7 +134,8 @@ std::string as_text(const Dataset& dataset, const Diagnosis& d) {
   if (m.closed && m.oriented) out += fmt::format(", {} of them facing inward", m.inward_components);
   out += fmt::format("; {} boundary loops\n", m.boundary_loops);
   for (const Named& n : findings_of(m)) add_lines(out, dataset.mesh, n.text, n.finding);
-  add_lines(out, dataset.mesh, "pairs of faces that cross or overlap", crossings_of(d.crossings));
+  add_lines(out, dataset.mesh, "pairs of faces that cross or overlap (copies of a face left out)",
+            crossings_of(d.crossings));
   if (m.duplicate_vertices.count > 0)
     out += fmt::format(
         "  with vertices at equal positions joined: {} vertices, closed: {}, oriented: {}, {} edges with one "

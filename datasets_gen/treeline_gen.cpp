@@ -13,6 +13,8 @@
 namespace {
 
 using namespace treeline::datasets;
+namespace geometry = treeline::geometry;
+namespace accel = treeline::accel;
 
 struct Arguments {
   std::string recipe, file;  // or the file that is read, and the one written
@@ -77,6 +79,18 @@ void decimate(const Arguments& a) {
         stderr,
         "{}: OpenMesh's half-edges cannot hold it as it is; {} vertices were copied and {} faces left out\n",
         a.recipe, made.input.copied_vertices, made.input.lost_faces);
+  // Faces of a soup share no edge that could be collapsed.
+  const geometry::MeshCheck given = geometry::check_mesh(d.mesh, 0);
+  if (given.welded.boundary_edges < given.boundary_edges.count)
+    fmt::print(stderr,
+               "{}: {} of its vertices lie at the position of an earlier one, and edges between such are not "
+               "collapsed; join them first\n",
+               a.recipe, given.duplicate_vertices.count);
+  const geometry::MeshCheck left = geometry::check_mesh(made.mesh, 0);
+  const std::size_t crossings =
+      accel::self_intersections(made.mesh, left.sound_faces, {.kept = 0, .threads = a.threads}).count;
+  if (crossings > 0)
+    fmt::print(stderr, "{}: {} pairs of faces cross or overlap after the decimation\n", a.file, crossings);
   const std::size_t before = d.mesh.size(), after = made.mesh.size();
   d.mesh = std::move(made.mesh);
   write(d, a.file, a.force);

@@ -9,6 +9,7 @@
 // different.
 #pragma once
 
+#include <numbers>
 #include <numeric>
 
 #include "geometry/adjacency.hpp"
@@ -50,6 +51,9 @@ struct MeshCheck {
   Finding non_manifold_edges;  ///< with more than two
   Finding misoriented_edges;   ///< whose faces do not run opposite ways
   Finding non_manifold_vertices;  ///< where several fans of faces touch
+  /// Closed parts that look the wrong way for where they lie: outward within a solid, or inward in the open.
+  /// Looked for in closed, oriented meshes. Examples name a face; a part turned inside out is one, too.
+  Finding misnested_components;
 
   /// With area, finite, and the first of equal ones: what crossings are worth being looked for among.
   std::vector<std::uint32_t> sound_faces;
@@ -91,6 +95,7 @@ class MeshChecker {
     check_edges(adjacency);
     check_fans(adjacency);
     check_components(adjacency);
+    if (made_.closed && made_.oriented && made_.components > 1) check_nesting();
     weld();
     return std::move(made_);
   }
@@ -213,7 +218,10 @@ class MeshChecker {
     for (const auto& p : mesh_.vertices)
       if (is_finite(p)) box.grow(p);
     const Vec3d centre = box.empty() ? Vec3d{} : Vec3d(box.centre());
-    std::vector<double> volumes(mesh_.size());
+    std::vector<double>& volumes = volumes_;
+    volumes.assign(mesh_.size(), 0);
+    part_.resize(mesh_.size());
+    for (std::uint32_t f = 0; f < mesh_.size(); ++f) part_[f] = parts.find(f);
     for (std::uint32_t f = 0; f < mesh_.size(); ++f) {
       if (repeats(mesh_.faces[f])) continue;
       const std::uint32_t part = parts.find(f);
@@ -224,6 +232,49 @@ class MeshChecker {
     }
     made_.volume /= 6;  // once, so that sums of exact terms stay exact
     for (const double v : volumes) made_.inward_components += v < 0;
+  }
+
+  /// The winding number of all other parts around a part is 0 where that must look outward, 1 where inward.
+  /// A part says nothing about points out of its box. By solid angles (van Oosterom and Strackee 1983).
+  void check_nesting() {
+    struct Part {
+      Box<float, 3> box;
+      std::vector<std::uint32_t> faces;
+    };
+    std::vector<std::uint32_t> number(mesh_.size());
+    std::vector<Part> parts;
+    for (std::uint32_t f = 0; f < mesh_.size(); ++f) {
+      if (repeats(mesh_.faces[f]) || !is_finite(mesh_.triangle(f))) continue;
+      if (number[part_[f]] == 0) parts.emplace_back(), number[part_[f]] = std::uint32_t(parts.size());
+      Part& part = parts[number[part_[f]] - 1];
+      part.faces.push_back(f);
+      for (const std::uint32_t v : mesh_.faces[f]) part.box.grow(mesh_.vertices[v]);
+    }
+    constexpr std::size_t most_tries = 8;  // points of a part, where one lies on another part
+    constexpr double unclear = 0.01;       // far more than the sums round, far less than a touching face
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const double volume = volumes_[part_[parts[i].faces[0]]];
+      for (std::size_t k = 0; k < std::min(most_tries, parts[i].faces.size()); ++k) {
+        const Triangle3d face(mesh_.triangle(parts[i].faces[k]));
+        const Vec3d at = (face.a + face.b + face.c) * (1.0 / 3);
+        double winding = 0;
+        for (std::size_t j = 0; j < parts.size(); ++j)
+          if (j != i && Box<double, 3>{Vec3d(parts[j].box.low), Vec3d(parts[j].box.high)}.contains(at))
+            for (const std::uint32_t f : parts[j].faces) winding += turns(Triangle3d(mesh_.triangle(f)), at);
+        const double whole = std::round(winding);
+        if (!(std::abs(winding - whole) < unclear)) continue;
+        if ((volume > 0 && whole != 0) || (volume < 0 && whole != 1))
+          found(made_.misnested_components, {parts[i].faces[0]}, {});
+        break;
+      }
+    }
+  }
+  /// The solid angle of a triangle, as a share of all directions; positive if it is seen from behind.
+  static double turns(const Triangle3d& t, const Vec3d& from) {
+    const Vec3d a = t.a - from, b = t.b - from, c = t.c - from;
+    const double x = length(a), y = length(b), z = length(c);
+    return std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y) /
+           (2 * std::numbers::pi);
   }
 
   void weld() {
@@ -246,6 +297,8 @@ class MeshChecker {
   const Mesh3f& mesh_;
   std::size_t examples_;
   MeshCheck made_;
+  std::vector<double> volumes_;          // of each part, six times, at its lowest face
+  std::vector<std::uint32_t> part_;      // of each face, the lowest of its part
   std::vector<std::uint32_t> first_at_;  // of each vertex, the first at its position
 };
 

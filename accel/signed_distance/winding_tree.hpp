@@ -8,16 +8,19 @@
 // outside; for one with holes it fades across them. Every face counts by its area: one that is missing or
 // turned around is felt nearby and nowhere else.
 //
+// Groups lie where WindingPlace moves them: a mesh far from the origin is as one at it, and one of any size
+// as one of size 1. Their balls hold the corners themselves, not what float makes of them for the builder.
 // Moments are kept in units of a group's radius, so that neither they nor their powers leave the range of
-// float whatever the mesh's size. Cost: 128 bytes a node, 36 bytes a face and some 15 ns a group met. Known
-// weakness: near the surface the exact sum of the nearest leaves takes most of the time; the second order
-// leaves an error of some 1e-3 with the default reach.
+// float. Single faces are looked at where they are given. Cost: 128 bytes a node, 36 bytes a face and some 15
+// ns a group met. Known weakness: near the surface the exact sum of the nearest leaves takes most of the
+// time; the second order leaves an error of some 1e-3 with the default reach.
 #pragma once
 
 #include <numbers>
 
 #include "accel/bvh/build_binned.hpp"
 #include "accel/concepts.hpp"
+#include "accel/triangle_place.hpp"
 #include "geometry/exact/triangle_distance.hpp"
 #include "geometry/mesh.hpp"
 
@@ -28,14 +31,21 @@ namespace treeline::accel {
 /// The tangent of half an angle is a quotient (van Oosterom and Strackee 1983), so half the angle is that of
 /// a complex number, and angles add up as the numbers are multiplied: one arc tangent does for all, and full
 /// turns are counted where the product passes the negative real axis. Error: some roundings of double a
-/// triangle, times the square of its size over the distance from the point to its edges.
+/// triangle, times the square of its size over the distance from the point to its edges. Coordinates of any
+/// size.
 class SolidAngles {
  public:
   explicit SolidAngles(const geometry::Vec3d& from) : from_(from) {}
 
   void add(const geometry::Triangle3d& t) {
-    const geometry::Vec3d a = t.a - from_, b = t.b - from_, c = t.c - from_;
-    const double la = length(a), lb = length(b), lc = length(c), scale = la * lb * lc;
+    geometry::Vec3d a = t.a - from_, b = t.b - from_, c = t.c - from_;
+    double la = length(a), lb = length(b), lc = length(c);
+    constexpr double shortest = 1e-80, longest = 1e80;  // products of three lengths lose no digits
+    if (!(std::min({la, lb, lc}) > shortest && std::max({la, lb, lc}) < longest)) [[unlikely]] {
+      a = towards(t.a), b = towards(t.b), c = towards(t.c);
+      la = length(a), lb = length(b), lc = length(c);
+    }
+    const double scale = la * lb * lc;
     const double y = dot(a, cross(b, c));
     const double x = scale + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
     constexpr double flat = 1e-12;  // above, the point is off the plane for certain
@@ -56,6 +66,16 @@ class SolidAngles {
   bool on_one() const { return on_; }
 
  private:
+  /// A vector from the point to another: only its direction is right, which is all that an angle needs.
+  [[gnu::noinline, gnu::cold]] geometry::Vec3d towards(const geometry::Vec3d& to) const {
+    geometry::Vec3d d = to - from_;
+    if (!is_finite(d)) d = to * 0.5 - from_ * 0.5;
+    const double most = std::max({std::abs(d[0]), std::abs(d[1]), std::abs(d[2])});
+    if (most > 0)
+      for (int k = 0; k < 3; ++k) d[k] = std::ldexp(d[k], -std::ilogb(most));
+    return d;
+  }
+
   geometry::Vec3d from_;
   double x_ = 1, y_ = 0;
   int turns_ = 0;
@@ -67,31 +87,53 @@ struct WindingNumber {
   bool on_surface = false;  ///< the point is on a face; value leaves that face out
 };
 
+/// Where moments are taken: coordinates of some 1, moved and scaled without a rounding.
+class WindingPlace {
+ public:
+  WindingPlace() = default;
+  template <class T>
+  explicit WindingPlace(const geometry::Box<T, 3>& box) : origin_(exact_centre(box)) {
+    double largest = 0;
+    for (int k = 0; k < 3; ++k)
+      largest = std::max(
+          {largest, std::abs(double(box.low[k]) - origin_[k]), std::abs(double(box.high[k]) - origin_[k])});
+    if (largest > 0) factor_ = std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1022, 1022));
+  }
+  /// Infinite for points too far away to be told from that.
+  geometry::Vec3d operator()(const geometry::Vec3d& p) const {
+    return factor_ < 1 ? p * factor_ - origin_ * factor_ : (p - origin_) * factor_;
+  }
+  geometry::Triangle3d operator()(const geometry::Triangle3d& t) const {
+    return {(*this)(t.a), (*this)(t.b), (*this)(t.c)};
+  }
+
+ private:
+  geometry::Vec3d origin_{};
+  double factor_ = 1;
+};
+
 template <class T>
 class WindingTree {
  public:
   using Point = geometry::Vec<T, 3>;
 
   /// reach: from how many of its radii on a group of faces counts by its moments; at least 1, infinite for
-  /// the exact sum. Faces without area do not count. Throws InvalidInput for coordinates that are not finite
-  /// as float, a face that names no vertex, a reach below 1 or threads < 1.
-  WindingTree(const geometry::Mesh<T>& mesh, double reach, int threads) : reach_(reach) {
+  /// the exact sum. Faces without area do not count, nor, where they are dropped, those with a corner that is
+  /// not finite. Throws InvalidInput for such a corner where it is refused, a face that names no vertex, a
+  /// reach below 1 or threads < 1.
+  WindingTree(const geometry::Mesh<T>& mesh, double reach, int threads,
+              NonFinite non_finite = NonFinite::refuse)
+      : reach_(reach) {
     if (!(reach >= 1)) throw InvalidInput("reach is " + std::to_string(reach) + "; it must be at least 1");
-    std::vector<geometry::Triangle<float>> rounded;
-    std::vector<geometry::Triangle<T>> triangles;
-    for (std::size_t f = 0; f < mesh.size(); ++f) {
-      for (const std::uint32_t corner : mesh.faces[f])
-        if (corner >= mesh.vertices.size())
-          throw InvalidInput("face " + std::to_string(f) + " names vertex " + std::to_string(corner) +
-                             " of " + std::to_string(mesh.vertices.size()));
-      const geometry::Triangle<T> t = mesh.triangle(f);
-      const geometry::Triangle<float> r(t);
-      if (!is_finite(r))
-        throw InvalidInput("triangle " + std::to_string(f) + " has a coordinate that is not finite");
-      if (geometry::is_degenerate(t)) continue;
-      triangles.push_back(t), rounded.push_back(r);
-    }
+    check_threads(threads);
+    const std::vector<geometry::Triangle<T>> triangles = with_area(mesh, non_finite);
     if (triangles.empty()) return;
+    geometry::Box<T, 3> box;
+    for (const auto& t : triangles) box.grow(t.box());
+    place_ = WindingPlace(box);
+    std::vector<geometry::Triangle<float>> rounded;
+    rounded.reserve(triangles.size());
+    for (const auto& t : triangles) rounded.emplace_back(place_(geometry::Triangle3d(t)));
     BinaryBuildOptions how;
     how.threads = threads;
     const BinaryTree binary = build_binned(rounded, how);
@@ -103,17 +145,18 @@ class WindingTree {
 
   WindingNumber operator()(const Point& q) const {
     WindingNumber r;
-    const geometry::Vec3d point(q);
-    SolidAngles near(point);
+    const geometry::Vec3d placed = place_(geometry::Vec3d(q));
+    SolidAngles near{geometry::Vec3d(q)};
     std::uint32_t stack[2 * binary_max_depth + 2];
     int height = 0;
     if (!nodes_.empty()) stack[height++] = 0;
     while (height > 0) {
       const Node& node = nodes_[stack[--height]];
-      const geometry::Vec3d away = geometry::Vec3d(node.centre) - point;
+      const geometry::Vec3d away = geometry::Vec3d(node.centre) - placed;
       const double distance = length(away);
       if (distance > reach_ * double(node.radius)) {
-        r.value += node.from_afar(geometry::Vec3f(away / double(node.radius)));
+        if (distance < nowhere * double(node.radius))
+          r.value += node.from_afar(geometry::Vec3f(away / double(node.radius)));
       } else if (node.count > 0) {
         for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
           near.add(geometry::Triangle3d(triangles_[i]));
@@ -130,6 +173,27 @@ class WindingTree {
   }
 
  private:
+  /// From so many radii even 2^32 faces make less than 1e-8, and cubes of more leave the range of float.
+  static constexpr double nowhere = 0x1p30;
+
+  static std::vector<geometry::Triangle<T>> with_area(const geometry::Mesh<T>& mesh, NonFinite non_finite) {
+    std::vector<geometry::Triangle<T>> triangles;
+    triangles.reserve(mesh.size());
+    for (std::size_t f = 0; f < mesh.size(); ++f) {
+      for (const std::uint32_t corner : mesh.faces[f])
+        if (corner >= mesh.vertices.size())
+          throw InvalidInput("face " + std::to_string(f) + " names vertex " + std::to_string(corner) +
+                             " of " + std::to_string(mesh.vertices.size()));
+      const geometry::Triangle<T> t = mesh.triangle(f);
+      if (!is_finite(t)) {
+        if (non_finite == NonFinite::drop) continue;
+        throw InvalidInput("triangle " + std::to_string(f) + " has a coordinate that is not finite");
+      }
+      if (!geometry::is_degenerate(t)) triangles.push_back(t);
+    }
+    return triangles;
+  }
+
   /// Moments about the centre in units of the radius, over 4 pi, as far as the expansion needs them.
   struct Node {
     Point centre{};
@@ -191,36 +255,40 @@ class WindingTree {
   /// From the leaves up. The centre is the mean of the parts' centres by area, as T holds it.
   void gather(const BinaryTree& binary) {
     std::vector<Moments> moments(binary.nodes.size());
-    std::vector<std::uint32_t> order{0};  // parents before children
+    std::vector<geometry::Box<double, 3>> boxes(binary.nodes.size());  // of the corners, not rounded
+    std::vector<std::uint32_t> order{0};                               // parents before children
     for (std::size_t i = 0; i < order.size(); ++i)
       if (const BinaryNode& n = binary.nodes[order[i]]; n.count == 0)
         order.push_back(n.first), order.push_back(n.first + 1);
     for (std::size_t i = order.size(); i-- > 0;) {
       const BinaryNode& from = binary.nodes[order[i]];
       std::vector<Moments> parts;
-      if (from.count == 0)
+      auto& box = boxes[order[i]];
+      if (from.count == 0) {
         parts = {moments[from.first], moments[from.first + 1]};
-      else
-        for (std::uint32_t k = from.first; k < from.first + from.count; ++k)
-          parts.push_back(moments_of(geometry::Triangle3d(triangles_[k])));
+        box.grow(boxes[from.first]), box.grow(boxes[from.first + 1]);
+      }
+      for (std::uint32_t k = from.first; k < from.first + from.count; ++k) {
+        const geometry::Triangle3d t = place_(geometry::Triangle3d(triangles_[k]));
+        parts.push_back(moments_of(t)), box.grow(t.box());
+      }
       Moments& m = moments[order[i]];
       geometry::Vec3d sum{};
       for (const Moments& part : parts) m.area += part.area, sum += part.centre * part.area;
-      const geometry::Vec3d middle = m.area > 0 ? sum / m.area : geometry::Vec3d(from.box.centre());
+      const geometry::Vec3d middle = m.area > 0 ? sum / m.area : box.centre();
       m.centre = geometry::Vec3d(Point(middle));
       for (const Moments& part : parts) m.add(part);
       Node& node = nodes_[order[i]];
       node.first = from.first, node.count = from.count;
-      pack(m, from.box, node);
+      pack(m, box, node);
     }
   }
-  static void pack(const Moments& m, const geometry::Box<float, 3>& box, Node& node) {
+  static void pack(const Moments& m, const geometry::Box<double, 3>& box, Node& node) {
     node.centre = Point(m.centre);
     geometry::Vec3d far;
     for (int k = 0; k < 3; ++k)
-      far[k] =
-          std::max(std::abs(double(box.low[k]) - m.centre[k]), std::abs(double(box.high[k]) - m.centre[k]));
-    // Rounded up; the box is that of rounded corners.
+      far[k] = std::max(std::abs(box.low[k] - m.centre[k]), std::abs(box.high[k] - m.centre[k]));
+    // Rounded up.
     node.radius = static_cast<float>(length(far) * (1 + 1e-6)) + std::numeric_limits<float>::denorm_min();
     const double r = double(node.radius);
     constexpr double whole = 4 * std::numbers::pi;
@@ -249,6 +317,7 @@ class WindingTree {
   }
 
   double reach_;
+  WindingPlace place_;
   std::vector<Node> nodes_;
   std::vector<geometry::Triangle<T>> triangles_;
 };

@@ -1,6 +1,7 @@
-"""What only the task inside shows: how each rule for inside and outside stands damage done to a mesh."""
+"""What only the task inside shows: how each rule for inside and outside stands damage done to a mesh, and what solids
+become as BSP trees (solids.py)."""
 
-from bench.report import charts
+from bench.report import charts, solids
 from bench.report.palette import INK
 from bench.report.rows import knob_text
 from bench.report.series import Card, Figure
@@ -21,7 +22,8 @@ def cards(task, numbers, width="container"):
         chart = _chart(found, numbers, width)
         title = f"{query_set}: {base}, {count(size)} {task.text.element}s"
         figures.append(Figure(f"{task.name}-damage-{base}-{size}-{query_set}", title, base, chart))
-    return [Card(f"{task.name}-card-damage", "Damaged meshes", DAMAGE, figures)] if figures else []
+    damage = Card(f"{task.name}-card-damage", "Damaged meshes", DAMAGE, figures) if figures else None
+    return [card for card in (damage, solids.card(task, numbers, width)) if card]
 
 
 def damage_table(rows):

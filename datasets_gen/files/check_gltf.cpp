@@ -44,6 +44,23 @@ std::string_view json_of(const Input& in) {
   return json;
 }
 
+/// Extensions that a file needs are refused, but for those that leave positions and faces as they are, and
+/// quantisation, which the check of the positions judges.
+void check_extensions(const Input& in, const Json& root) {
+  static constexpr std::string_view harmless[] = {"KHR_materials_", "KHR_texture_",         "EXT_texture_",
+                                                  "MSFT_texture_",  "KHR_lights_",          "EXT_lights_",
+                                                  "KHR_xmp",        "KHR_mesh_quantization"};
+  const auto needed = root.find("extensionsRequired");
+  if (needed == root.end()) return;
+  if (!needed->is_array()) in.fail("extensionsRequired", "is no list of names");
+  for (const Json& extension : *needed) {
+    const auto name = extension.get<std::string>();
+    if (std::ranges::none_of(harmless, [&](std::string_view start) { return name.starts_with(start); }))
+      in.fail("extensionsRequired", "the file needs " + in_quotes(name) +
+                                        ", which is not read here; export it without that extension");
+  }
+}
+
 /// Buffers in other files must lie in the folder of this one, or below it.
 void check_buffer_files(const Input& in, const Json& root) {
   const auto buffers = root.find("buffers");
@@ -254,6 +271,7 @@ std::string_view check_gltf_chunks(const Input& in) {
 
 void check_gltf(const Input& in, const Json& root) {
   if (!root.is_object()) in.fail("", "its JSON is no object");
+  check_extensions(in, root);
   check_buffer_files(in, root);
   check_views(in, root);
   check_accessors(in, root);

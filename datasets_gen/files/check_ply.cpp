@@ -139,7 +139,8 @@ class Values {
     if (!(n >= 0) || n != std::floor(n)) fail("a list of length " + std::to_string(n));
     const std::size_t room = header_.binary ? in_.bytes.size() - at_ : words_.size() - word_;
     if (n > static_cast<double>(room))
-      fail("a list of length " + std::to_string(std::size_t(n)) + " runs past the end");
+      fail("a list of length " + (n < 0x1p53 ? std::to_string(std::size_t(n)) : std::to_string(n)) +
+           " runs past the end");
     return static_cast<std::size_t>(n);
   }
   [[noreturn]] void fail(const std::string& problem) const {
@@ -217,6 +218,9 @@ void check_meaning(const Input& in, const Header& h) {
           std::ranges::count_if(e.properties, [&](const auto& p) { return is_corner_list(e, p); }) != 1)
         in.fail("header", "the faces have no list called vertex_indices or vertex_index");
     }
+    if (e.name == "tristrips" && e.count > 0)
+      in.fail("header",
+              "keeps triangles in strips (element 'tristrips'), which are not read; save them as faces");
     if (e.properties.empty() && e.count > 0)
       in.fail("header", "element " + in_quotes(e.name) + " has no properties");
   }

@@ -12,6 +12,12 @@ namespace {
 
 using Corners = std::array<geometry::Vec3f, 3>;
 
+/// Words of text STL are written in either case.
+bool same_word(std::string_view lower, std::string_view word) {
+  return std::ranges::equal(lower, word,
+                            [](char a, char b) { return a == (b >= 'A' && b <= 'Z' ? b - 'A' + 'a' : b); });
+}
+
 void count(const Corners& c, Checked& r) {
   ++(c[0] == c[1] || c[1] == c[2] || c[2] == c[0] ? r.dropped : r.polygons);
 }
@@ -55,7 +61,7 @@ Checked check_text(const Input& in) {
       split(line, blanks, w);
     } while (w.empty());
     return std::equal(start.begin(), start.end(), w.begin(),
-                      w.begin() + std::min<std::ptrdiff_t>(std::ssize(w), std::ssize(start)));
+                      w.begin() + std::min<std::ptrdiff_t>(std::ssize(w), std::ssize(start)), same_word);
   };
   const auto need = [&](std::initializer_list<std::string_view> start) {
     if (!next(start))
@@ -65,7 +71,7 @@ Checked check_text(const Input& in) {
   need({"solid"});
   while (true) {
     if (!next({"facet", "normal"})) {
-      if (w[0] != "endsolid")
+      if (!same_word("endsolid", w[0]))
         in.fail_line(lines.number(), "expected 'facet normal' or 'endsolid', found " + in_quotes(line));
       if (lines.rest().find_first_not_of(" \t\r\n") == std::string_view::npos) break;
       need({"solid"});
@@ -103,7 +109,11 @@ Checked check_stl(const Input& in) {
   std::uint32_t promised = 0;
   if (in.bytes.size() >= 84) std::memcpy(&promised, in.bytes.data() + 80, 4);
   const bool fits = in.bytes.size() >= 84 && in.bytes.size() == 84 + std::uint64_t{50} * promised;
-  return !fits && in.bytes.starts_with("solid") ? check_text(in) : check_binary(in);
+  if (fits) return check_binary(in);
+  // A binary file cut short may start with "Solid"; text in capitals has no zero byte, and that one does.
+  const bool capitals =
+      same_word("solid", std::string_view(in.bytes).substr(0, 5)) && in.bytes.find('\0') == std::string::npos;
+  return in.bytes.starts_with("solid") || capitals ? check_text(in) : check_binary(in);
 }
 
 }  // namespace treeline::datasets::files

@@ -37,10 +37,16 @@ Checked check_obj(const Input& in) {
   std::string_view line;
   std::string joined;
   std::vector<std::string_view> w;
-  struct Face {
-    std::size_t line;
-    std::vector<std::uint64_t> corners;  // from 1
+  /// Geometry that OBJ has and that is not read, by its statements.
+  struct Skipped {
+    std::string_view word, what;
+    std::size_t count = 0;
   };
+  std::array<Skipped, 5> skipped{{{"p", "points"},
+                                  {"l", "lines"},
+                                  {"curv", "curves"},
+                                  {"curv2", "curves on surfaces"},
+                                  {"surf", "free-form surfaces"}}};
   std::string faces;
   std::vector<std::uint64_t> corners;
   std::uint64_t largest = 0;
@@ -84,8 +90,14 @@ Checked check_obj(const Input& in) {
     } else if (line.size() > 4096 || static_cast<unsigned char>(w[0][0]) < 32 ||
                static_cast<unsigned char>(w[0][0]) > 126) {
       in.fail_line(at, "not a line of an OBJ file: " + in_quotes(w[0]));
-    }  // any other statement is no geometry of ours: texture, normals, groups, materials, curves
+    } else if (const auto s = std::ranges::find(skipped, w[0], &Skipped::word); s != skipped.end()) {
+      ++s->count;
+    }  // any other statement is no geometry: texture, normals, groups, materials
   }
+  for (const Skipped& s : skipped)
+    if (s.count > 0)
+      r.notes.push_back("left out " + std::to_string(s.count) + " statements '" + std::string(s.word) +
+                        "' (" + std::string(s.what) + "): only vertices and faces are read");
   if (largest > r.vertices)
     in.fail_line(largest_line, "names vertex " + std::to_string(largest) + " of " +
                                    std::to_string(r.vertices) + " (counted from 1)");

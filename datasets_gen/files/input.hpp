@@ -35,8 +35,7 @@ struct Raw {
   std::vector<geometry::Vec3d> points;
   std::vector<std::array<std::uint32_t, 3>> faces;
   bool is_mesh = false;
-  double rounded =
-      0;  // the farthest that the reader moved a coordinate of text that the file declares as float
+  double rounded = 0;  // the farthest that the reader itself moved a coordinate to make a float of it
   std::vector<std::string> notes;
 };
 
@@ -138,6 +137,7 @@ struct Checked {
   bool binary = false;
   Coordinates coordinates;
   std::vector<geometry::Vec3d> doubles;  // the vertices, where the file has doubles and the library floats
+  std::vector<std::string> notes;        // of what the file holds and is not read
   std::string text;  // the file rewritten in the plainest form of its format; empty: take the file as it is
 };
 

@@ -1,5 +1,7 @@
 // glTF 2 (.gltf, .glb) through assimp; all meshes of the scene, in place.
 //
+// The nodes are walked here: assimp's own step (PreTransformVertices, 5.2) leaves the faces of mirrored nodes
+// looking inward, while glTF 2.0, section 3.7.4, turns them around where a node's determinant is negative.
 // Checked first (check_gltf.cpp), because assimp trusts much of it; what it then read is counted.
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -66,6 +68,47 @@ void check_triangles(const Input& in, const Json& root, const aiScene& scene) {
   }
 }
 
+using Transform = aiMatrix4x4t<double>;
+
+/// Appends one mesh as one node shows it; returns how many points and lines it left out. Positions are
+/// rounded to float before they are welded: parts that meet in the file's scene meet here, too.
+std::size_t add_mesh(const Input& in, const aiScene& scene, unsigned number, const Transform& transform,
+                     Raw& r) {
+  const aiMesh& mesh = *scene.mMeshes[number];
+  const std::size_t first = r.points.size();
+  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+    const aiVector3D& p = mesh.mVertices[i];
+    const auto placed = transform * aiVector3t<double>(double(p.x), double(p.y), double(p.z));
+    geometry::Vec3d& point = r.points.emplace_back(geometry::Vec3d{placed.x, placed.y, placed.z});
+    for (int k = 0; k < 3; ++k) {
+      if (beyond_float(point[k])) continue;  // refused with the other formats' ones
+      const double rounded = double(static_cast<float>(point[k]));
+      if (std::isfinite(rounded)) r.rounded = std::max(r.rounded, std::abs(rounded - point[k]));
+      point[k] = rounded;
+    }
+  }
+  const bool mirrored = transform.Determinant() < 0;
+  std::size_t left_out = 0;
+  for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+    const aiFace& face = mesh.mFaces[i];
+    if (face.mNumIndices != 3) {
+      ++left_out;
+      continue;
+    }
+    std::array<std::uint32_t, 3> corners;
+    for (unsigned k = 0; k < 3; ++k) {
+      if (face.mIndices[k] >= mesh.mNumVertices)
+        in.fail(
+            "mesh " + std::to_string(number) + ", face " + std::to_string(i),
+            "names vertex " + std::to_string(face.mIndices[k]) + " of " + std::to_string(mesh.mNumVertices));
+      corners[k] = static_cast<std::uint32_t>(first) + face.mIndices[k];
+    }
+    if (mirrored) std::swap(corners[1], corners[2]);
+    r.faces.push_back(corners);
+  }
+  return left_out;
+}
+
 }  // namespace
 
 Raw read_assimp(const Input& in) {
@@ -84,36 +127,21 @@ Raw read_assimp(const Input& in) {
     } catch (const Json::exception& e) {
       in.fail("", std::string("its JSON is broken: ") + e.what());
     }
-  if (scene != nullptr)
-    scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices);
+  if (scene != nullptr) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr) in.fail("", std::string("assimp cannot read it: ") + importer.GetErrorString());
   if (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) in.fail("", "assimp read it only in part");
 
   Raw r;
   std::size_t points_and_lines = 0;
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-    const aiMesh& mesh = *scene->mMeshes[m];
-    const std::size_t first = r.points.size();
-    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-      const aiVector3D& p = mesh.mVertices[i];
-      r.points.push_back({p.x, p.y, p.z});
-    }
-    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
-      const aiFace& face = mesh.mFaces[i];
-      if (face.mNumIndices != 3) {
-        ++points_and_lines;
-        continue;
-      }
-      std::array<std::uint32_t, 3> corners;
-      for (unsigned k = 0; k < 3; ++k) {
-        if (face.mIndices[k] >= mesh.mNumVertices)
-          in.fail("mesh " + std::to_string(m) + ", face " + std::to_string(i),
-                  "names vertex " + std::to_string(face.mIndices[k]) + " of " +
-                      std::to_string(mesh.mNumVertices));
-        corners[k] = static_cast<std::uint32_t>(first) + face.mIndices[k];
-      }
-      r.faces.push_back(corners);
-    }
+  std::vector<std::pair<const aiNode*, Transform>> open;
+  if (scene->mRootNode != nullptr) open.push_back({scene->mRootNode, Transform()});
+  while (!open.empty()) {
+    const auto [node, parent] = open.back();
+    open.pop_back();
+    const Transform here = parent * Transform(node->mTransformation);
+    for (unsigned m = 0; m < node->mNumMeshes; ++m)
+      points_and_lines += add_mesh(in, *scene, node->mMeshes[m], here, r);
+    for (unsigned c = node->mNumChildren; c > 0; --c) open.push_back({node->mChildren[c - 1], here});
   }
   r.is_mesh = true;
   weld(r);

@@ -124,6 +124,7 @@ Raw read_openmesh(const Input& in, const std::string& format, const Checked& che
 
   Raw r;
   r.is_mesh = checked.is_mesh;
+  r.notes = checked.notes;
   r.faces = std::move(arrays.triangles);
   r.points.reserve(arrays.points.size());
   for (const auto& p : arrays.points) r.points.push_back(geometry::Vec3d(p));

@@ -234,6 +234,68 @@ TEST(Windings, FarGroupsKeepTheirRange) {
   }
 }
 
+/// A ball of doubles, and points about it that are clearly in or out, by the number of radii to its middle.
+template <class Check>
+void each_about_a_ball(const Vec3d& middle, double radius, Check&& check) {
+  Mesh<double> mesh = sphere<double>(3);
+  for (Vec3d& p : mesh.vertices) p = p * radius + middle;
+  const SignedDistance<Bvh<Triangles<double>>, Winding> body(mesh);
+  const WindingTree<double> sum(mesh, std::numeric_limits<double>::infinity(), 1);
+  Pcg32 random(55);
+  for (int i = 0; i < 300; ++i) {
+    const Vec3d p = in_cube(random, 2.0);
+    if (std::abs(length(p) - 1) > 0.1) check(body, sum, p * radius + middle, length(p) < 1);
+  }
+}
+
+// What is kept of coordinates far from the origin in float is not enough to tell groups apart.
+TEST(Windings, OfDoublesFarFromTheOrigin) {
+  for (const double offset : {0.0, 1e3, 5e6, 1e9, 1e12, -1e15})
+    for (const double radius : {1024.0, 1.0, 0.01, 1e-4}) {
+      if (std::abs(offset) * 0x1p-52 > 1e-3 * radius) continue;  // no ball is left of it
+      for (const Vec3d& middle : {Vec3d{offset, offset, offset}, Vec3d{0, offset, -offset}})
+        each_about_a_ball(middle, radius, [&](const auto& body, const auto& sum, const Vec3d& q, bool in) {
+          ASSERT_EQ(body.inside(q), in) << offset << " " << radius;
+          ASSERT_NEAR(body.rule().winding()(q).value, in ? 1 : 0, 0.02) << offset << " " << radius;
+          ASSERT_NEAR(sum(q).value, in ? 1 : 0, 1e-9) << offset << " " << radius;
+        });
+    }
+}
+TEST(Windings, OfDoublesOfAnySize) {
+  for (const double radius : {1e-300, 1e-150, 1e-80, 1e-37, 1e37, 1e80, 1e150, 1e300, 1e307})
+    each_about_a_ball({}, radius, [&](const auto& body, const auto& sum, const Vec3d& q, bool in) {
+      ASSERT_EQ(body.inside(q), in) << radius;
+      ASSERT_NEAR(body.rule().winding()(q).value, in ? 1 : 0, 0.02) << radius;
+      ASSERT_NEAR(sum(q).value, in ? 1 : 0, 1e-12) << radius;
+    });
+}
+// Two balls, one as small beside the other as doubles can have it: both are felt.
+TEST(Windings, OfDoublesOfMixedSizes) {
+  Mesh<double> mesh = sphere<double>(3, {2, 0, 0}), little = sphere<double>(2, {}, 1e-200);
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), little.vertices.begin(), little.vertices.end());
+  for (const auto& f : little.faces) mesh.faces.push_back({f[0] + first, f[1] + first, f[2] + first});
+  for (const double reach : {2.0, std::numeric_limits<double>::infinity()}) {
+    const WindingTree<double> tree(mesh, reach, 1);
+    EXPECT_NEAR(tree({0, 0, 0}).value, 1, 0.02);
+    EXPECT_NEAR(tree({0, 5e-201, 0}).value, 1, 0.02);
+    EXPECT_NEAR(tree({0, 2e-200, 0}).value, 0, 0.02);
+    EXPECT_NEAR(tree({2, 0.5, 0}).value, 1, 0.02);
+    EXPECT_NEAR(tree({0, 0.5, 0}).value, 0, 0.02);
+    EXPECT_TRUE(tree({1e-200, 0, 0}).on_surface);
+  }
+}
+// Powers of the distance in radii leave the range of float long before the distance does.
+TEST(Windings, FarAwayAreNone) {
+  const WindingTree<float> ball(bumpy(2, 1), 2, 1), little(bumpy(2, 1, {}, 0x1p-90f), 2, 1);
+  const WindingTree<double> of_double(sphere<double>(2, {}, 1e-300), 2, 1);
+  for (const float far : {1e3f, 1e9f, 1e15f, 1e25f, 3e38f}) {
+    EXPECT_NEAR(ball({far, -far, far}).value, 0, 1e-6) << far;
+    EXPECT_NEAR(little({far, -far, far}).value, 0, 1e-6) << far;
+    EXPECT_NEAR(of_double({far, -far, 1e308}).value, 0, 1e-6) << far;
+  }
+}
+
 TEST(Windings, StandHolesWhereRaysDoNot) {
   Mesh3f mesh = bumpy(4, 1);
   const Mesh3f whole = mesh;

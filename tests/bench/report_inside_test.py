@@ -1,4 +1,4 @@
-"""The table of damage that the report shows for the task inside, on rows made by hand."""
+"""The table of damage and the card of solids that the report shows for the task inside, on rows made by hand."""
 
 import sys
 import unittest
@@ -6,7 +6,7 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
-from bench.report import inside, model
+from bench.report import inside, model, solids
 from report_made import made, read
 
 
@@ -43,6 +43,43 @@ class Damage(unittest.TestCase):
         task, _ = self.table(row("rays", "ball+unwelded", 0.0))
         (card,) = inside.cards(task, model.numbers([task]))
         self.assertEqual([v["text"] for v in card.figures[0].chart.to_dict()["data"]["values"]], ["✓"])
+
+
+def tree(dataset, n, fragments, depth, method=solids.EXACT, query_set="near", **knobs):
+    which = (method, "bsp", "ours", "bounded")
+    return made(which, dataset=dataset, n=n, build=knobs, query_set=query_set, inside_fragments=fragments, inside_depth=depth) | {"task": "inside"}  # fmt: skip
+
+
+class Solids(unittest.TestCase):
+    def card(self, *entries):
+        (task,) = model.task_models(read(*entries))
+        return solids.card(task, model.numbers([task]))
+
+    def test_a_line_a_strategy_and_a_mark_a_size(self):
+        first, best = {"axis_levels": 0, "candidates": 1}, {"axis_levels": 0, "candidates": 16}
+        card = self.card(
+            tree("ball", 9000, 4.0, 110, **first), tree("ball", 1000, 3.5, 60, **first),
+            tree("ball", 1000, 1.9, 30, **best), tree("ball", 9000, 2.0, 40, **best),
+            tree("ball", 9000, 2.0, 40, **best, query_set="far"), tree("ball", 1000, 2.3, 20, axis_levels=24, candidates=8),
+            tree("ball", 1000, 2.9, 21, solids.ROUNDED, epsilon=1e-6),
+            tree("ball+flipped_1", 9000, 9.0, 999, **best), tree("cup", 1000, 9.0, 999, **best))  # fmt: skip
+        self.assertEqual(card.title, "Solids")
+        self.assertEqual([f.title for f in card.figures], ["fragments: ball", "depth: ball"])
+        fragments, depth = (f.chart.to_dict() for f in card.figures)
+        lines = {}
+        for v in fragments["data"]["values"]:
+            lines.setdefault(v["how"], []).append((v["n"], v["y"]))
+        self.assertEqual(lines, {
+            "first face": [(1000, 3.5), (9000, 4.0)], "best of 16 faces": [(1000, 1.9), (9000, 2.0)],
+            "axis medians, then best of 8 faces": [(1000, 2.3)], "rounded, epsilon 1e-06": [(1000, 2.9)]})  # fmt: skip
+        self.assertEqual(max(v["y"] for v in depth["data"]["values"]), 110)
+        legend = fragments["layer"][0]["encoding"]["stroke"]
+        self.assertEqual(legend["scale"]["domain"], list(lines))
+        self.assertIsNotNone(legend["legend"])
+
+    def test_none_without_several_sizes(self):
+        self.assertIsNone(self.card(tree("ball", 1000, 2.0, 30, candidates=16)))
+        self.assertIsNone(self.card(row("rays", "ball", 0.0, n=1000), row("rays", "ball", 0.0, n=9000)))
 
 
 if __name__ == "__main__":

@@ -159,8 +159,8 @@ TEST(HalfEdges, WhatOpenMeshDoesToNonManifoldInputIsReported) {
 
 TEST(Diagnosis, IsCleanOnlyWhereNothingIsFound) {
   EXPECT_TRUE(diagnose(ball(), 5, 1).clean());
-  for (const char* name :
-       {"hole_2", "missing_1", "flipped_1", "duplicated_1", "degenerate_1", "unwelded", "inside_out"})
+  for (const char* name : {"hole_2", "missing_1", "flipped_1", "duplicated_1", "degenerate_1", "unwelded",
+                           "inside_out", "nested"})
     EXPECT_FALSE(diagnose(damaged_ball(name), 5, 1).clean()) << name;
 }
 

@@ -1,5 +1,6 @@
 // What is written is read back bit for bit; what other programs write is read as they meant it.
 #include "files_common.hpp"
+#include "geometry/mesh_check.hpp"
 
 namespace treeline::datasets {
 namespace {
@@ -123,6 +124,52 @@ TEST_F(Reading, AppliesTheTransformsOfAScene) {
   ASSERT_EQ(d.mesh.size(), small_mesh().size());
   for (std::size_t i = 0; i < d.mesh.size(); ++i)
     EXPECT_NEAR(d.mesh.triangle(i).a[0], small_mesh().triangle(i).a[0] + 4, 1e-6);
+}
+
+TEST_F(Reading, TurnsTheFacesOfMirroredGltfNodes) {
+  if (!reads("gltf")) GTEST_SKIP() << "built without assimp";
+  const std::string good = gltf_text(small_mesh()), node = R"("nodes":[{"mesh":0)";
+  const double volume = geometry::check_mesh(small_mesh()).volume;
+  const auto volume_of = [&](const std::string& nodes) {
+    std::string text = good;
+    text.replace(text.find(node), node.size(), nodes);
+    const Dataset d = read(put("a.gltf", text));
+    EXPECT_TRUE(d.closed) << nodes;
+    EXPECT_EQ(d.mesh.size(), small_mesh().size()) << nodes;
+    return geometry::check_mesh(d.mesh).volume;
+  };
+  // A volume grows by the size of the determinant, and stays positive: faces look outward.
+  const std::string child = R"("nodes":[{"children":[1],"scale":[1,-1,1]},{"mesh":0)";
+  EXPECT_NEAR(volume_of(node), volume, 1e-5 * volume);
+  EXPECT_NEAR(volume_of(R"("nodes":[{"scale":[-1,1,1],"mesh":0)"), volume, 1e-5 * volume);
+  EXPECT_NEAR(volume_of(R"("nodes":[{"scale":[-2,-1,-1],"mesh":0)"), 2 * volume, 1e-5 * volume);
+  EXPECT_NEAR(volume_of(R"("nodes":[{"scale":[-2,-1,1],"mesh":0)"), 2 * volume, 1e-5 * volume);
+  EXPECT_NEAR(volume_of(child), volume, 1e-5 * volume) << "mirrored by its parent";
+  EXPECT_NEAR(volume_of(child + R"(,"scale":[1,1,-3])"), 3 * volume, 1e-5 * volume) << "mirrored twice";
+}
+
+TEST_F(Reading, SaysWhatOfAnObjIsLeftOut) {
+  if (!reads("obj")) GTEST_SKIP() << "built without OpenMesh";
+  const std::string text =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2\nl 2 3\ncstype bezier\ndeg 2\ncurv 0 1 1 2 3\nend\n"
+      "surf 0 1 0 1 1 2 3\n";
+  const Dataset d = read(put("a.obj", text));
+  std::string notes;
+  for (const std::string& note : d.notes) notes += note + "\n";
+  EXPECT_EQ(d.notes.size(), 3u) << notes;
+  for (const char* part : {"2 statements 'l' (lines)", "1 statements 'curv' (curves)", "1 statements 'surf'"})
+    EXPECT_NE(notes.find(part), std::string::npos) << part << "\n" << notes;
+  EXPECT_TRUE(read(put("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\ng a\nf 1 2 3\n")).notes.empty());
+}
+
+TEST_F(Reading, TakesTextStlInUpperCase) {
+  if (!reads("stl")) GTEST_SKIP() << "built without OpenMesh";
+  std::string text = stl_text(small_mesh());
+  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  const Dataset d = read(put("a.stl", text));
+  ASSERT_EQ(d.mesh.size(), small_mesh().size());
+  for (std::size_t i = 0; i < d.mesh.size(); ++i)
+    ASSERT_EQ(d.mesh.triangle(i), small_mesh().triangle(i)) << i;
 }
 
 TEST_F(Reading, KeepsNonManifoldAndRepeatedFacesInOrder) {

@@ -155,6 +155,9 @@ TEST_F(BadFiles, CountsThatNoFileCouldHold) {
   expect_says(answer("g.off", "OFF\n6 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), "line 6");
   expect_says(answer("h.ply", replaced(ply_text_file, "3 0 1 3", "200 0 1 3")),
               "face 1, line 15: a list of length 200");
+  // Found by fuzzing: a length that no integer holds.
+  const std::string float_lengths = replaced(ply_text_file, "list uchar int", "list float int");
+  expect_says(answer("i.ply", replaced(float_lengths, "3 0 1 3", "2.1e+40 0 1 3")), "runs past the end");
 }
 
 TEST_F(BadFiles, HeadersThatDoNotEnd) {
@@ -313,6 +316,28 @@ TEST_F(BadFiles, GltfOfOtherTypes) {
   expect_says(answer("f.gltf", replaced(good, "base64,AAAA", "base64,")), "expected 96 bytes");
   expect_says(answer("g.gltf", replaced(good, R"("indices":1)", R"("indices":2)")),
               "indices names an accessor");
+}
+
+TEST_F(BadFiles, GltfThatNeedsWhatIsNotRead) {
+  if (!reads("gltf")) GTEST_SKIP();
+  const std::string good = gltf_text(tetrahedron()), start = R"({"asset")";
+  const auto needing = [&](const std::string& list) {
+    return replaced(good, start, R"({"extensionsRequired":)" + list + R"(,"asset")");
+  };
+  for (const std::string name : {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "ACME_surfaces"})
+    expect_says(answer("a.gltf", needing(R"(["KHR_materials_unlit",")" + name + R"("])")),
+                "extensionsRequired: the file needs '" + name + "', which is not read");
+  EXPECT_EQ(answer("b.gltf", needing(R"(["KHR_materials_unlit","KHR_texture_transform"])")), "read");
+  expect_says(answer("c.gltf", needing("7")), "extensionsRequired: is no list");
+  expect_says(answer("d.gltf", needing("[7]")), "its JSON is broken");
+}
+
+TEST_F(BadFiles, PlyThatKeepsTrianglesInStrips) {
+  if (!reads("ply")) GTEST_SKIP();
+  expect_says(answer("a.ply", ply_start + ply_xyz +
+                                  "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+                                  "0 0 0\n1 0 0\n0 1 0\n0 0 1\n5 0 1 2 3 -1\n"),
+              "triangles in strips (element 'tristrips')");
 }
 
 }  // namespace

@@ -54,5 +54,34 @@ TEST_F(Program, Decimates) {
   EXPECT_FALSE(std::filesystem::exists(folder() / "a.ply"));
 }
 
+TEST_F(Program, SaysWhyASoupIsNotDecimated) {
+  if (!reads("ply")) GTEST_SKIP();
+  write(generate("icosphere+unwelded", 1000, 1), folder() / "soup.ply");
+  const Result soup = run("--decimate 0.1 soup.ply a.ply");
+  EXPECT_EQ(soup.status, 0);
+  EXPECT_NE(soup.output.find("join them first"), std::string::npos) << soup.output;
+  write(generate("icosphere", 1000, 1), folder() / "ball.ply");
+  const Result ball = run("--decimate 0.5 ball.ply b.ply");
+  EXPECT_EQ(ball.output.find("join them"), std::string::npos) << ball.output;
+  EXPECT_EQ(ball.output.find("cross"), std::string::npos) << ball.output;
+}
+
+TEST_F(Program, SaysWhereADecimatedMeshCrossesItself) {
+  if (!reads("ply")) GTEST_SKIP();
+  // Two balls that run through each other still do with half the faces.
+  Dataset two = generate("icosphere", 1000, 1);
+  const auto n = static_cast<std::uint32_t>(two.mesh.vertices.size());
+  for (std::uint32_t v = 0; v < n; ++v) {
+    const geometry::Vec3f p = two.mesh.vertices[v];
+    two.mesh.vertices.push_back({p[0] + 0.5f, p[1] + 0.25f, p[2]});
+  }
+  const auto faces = two.mesh.faces;
+  for (const auto& f : faces) two.mesh.faces.push_back({f[0] + n, f[1] + n, f[2] + n});
+  write(two, folder() / "two.ply");
+  const Result made = run("--decimate 0.5 two.ply a.ply");
+  EXPECT_EQ(made.status, 0);
+  EXPECT_NE(made.output.find("pairs of faces cross or overlap after"), std::string::npos) << made.output;
+}
+
 }  // namespace
 }  // namespace treeline::datasets

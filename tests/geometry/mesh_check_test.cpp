@@ -52,6 +52,23 @@ TEST(MeshCheck, VolumesHaveTheirClosedForms) {
   EXPECT_EQ(hollow.inward_components, 1u);
 }
 
+TEST(MeshCheck, FindsPartsThatLookTheWrongWay) {
+  const Mesh3f outward = sphere<float>(2);
+  Mesh3f inward = outward;
+  for (auto& f : inward.faces) std::swap(f[0], f[1]);
+  const auto misnested = [](const Mesh3f& m) { return check_mesh(m).misnested_components.count; };
+  const auto small = [](const Mesh3f& m) { return moved(m, {}, 0.5f); };
+  const auto tiny = [](const Mesh3f& m) { return moved(m, {}, 0.25f); };
+  const auto aside = [](const Mesh3f& m) { return moved(m, {3, 0, 0}); };
+  EXPECT_EQ(misnested(joined(outward, small(inward))), 0u);
+  EXPECT_EQ(misnested(joined(joined(outward, small(inward)), tiny(outward))), 0u);
+  EXPECT_EQ(misnested(joined(outward, aside(outward))), 0u);
+  EXPECT_EQ(misnested(joined(outward, aside(inward))), 1u);
+  const MeshCheck both = check_mesh(joined(outward, small(outward)));
+  EXPECT_EQ(both.misnested_components.count, 1u);
+  EXPECT_EQ(both.misnested_components.first.at(0).faces, std::vector<std::uint32_t>{128});
+}
+
 TEST(MeshCheck, NamesWhatIsWrongAndWhere) {
   Mesh3f m = sphere<float>(2);  // 128 faces
   const auto n = static_cast<std::uint32_t>(m.vertices.size());
