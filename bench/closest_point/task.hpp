@@ -12,11 +12,12 @@
 //   that is farther than the nearest, ties apart, in exact arithmetic) and _much_farther (by more than 1e-6);
 //   _off_triangle_max; _relative_mean and _max (of the distance as the method gives it, over the true
 //   distance, at most 1); of our trees _references, _inner_nodes, _leaf_count, _depth and _node_bytes.
-// Claims: exact: the triangle is a nearest one in exact arithmetic, the squared distance in double is the true
-//   one rounded once, and the point is right to 4 unit roundoffs of float. bounded: distance and point are off
-//   by at most 64 unit roundoffs of the largest |coordinate| of the query and the triangles involved, of float
-//   or, of methods that say so, double. approximate: nothing, but an answer off by both a hundredth of the
-//   diagonal and that bound is wrong (not of methods that search a mesh of their own).
+// Claims: exact: the triangle is a nearest one in exact arithmetic, the squared distance in double is the
+// true
+//   one rounded once, and the point is right to 4 unit roundoffs of float. bounded: distance and point are
+//   off by at most 64 unit roundoffs of the largest |coordinate| of the query and the triangles involved, of
+//   float or, of methods that say so, double. approximate: nothing, but an answer off by both a hundredth of
+//   the diagonal and that bound is wrong (not of methods that search a mesh of their own).
 // Advice: on near, uniform and on_vertex. The ladder begins with decimated meshes: the least model.
 #pragma once
 

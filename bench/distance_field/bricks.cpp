@@ -1,5 +1,5 @@
-// Our sparse fields: bricks of samples near the surface. An icosphere of a million triangles at resolution 128,
-// CPU seconds of one thread, wide tree and field: 0.27 + 0.60, against 3.1 of OpenVDB 10 (busy machine).
+// Our sparse fields: bricks of samples near the surface. An icosphere of a million triangles at resolution
+// 128, CPU seconds of one thread, wide tree and field: 0.27 + 0.60, against 3.1 of OpenVDB 10 (busy machine).
 #include "bench/distance_field/sampled.hpp"
 
 namespace treeline::bench::distance_field {
