@@ -14,7 +14,9 @@ namespace treeline::accel {
 
 struct ClosestOptions {
   float max_distance = std::numeric_limits<float>::infinity();  ///< nothing farther is returned; inclusive
-  /// Which triangle is nearest is decided exactly, and the squared distance is the true one rounded once.
+  /// Which triangle is nearest is decided exactly, and the squared distance is the true one rounded once; of
+  /// the triangles as the tree keeps them, which scales by a power of two: coordinates below 2^-126 of the
+  /// typical one lose digits first (triangle_scale.hpp).
   /// Without, all of it is as double finds it: of triangles whose distances agree to some 15 digits either
   /// may be returned.
   bool exact = false;

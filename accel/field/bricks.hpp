@@ -37,7 +37,8 @@ struct FieldReport {
   /// there is no inside, and neither signs nor bounds are certain.
   bool closed = true;
   /// Pairs of neighbouring samples between which there is no surface, but which were put on different sides:
-  /// 0 for a closed and oriented mesh whose faces do not cross.
+  /// 0 for a closed and oriented mesh whose faces neither cross nor coincide. Where faces coincide (boxes
+  /// that touch) signs may be wrong without a conflict.
   std::size_t sign_conflicts = 0;
   std::array<int, 3> first_conflict{};  ///< the lower sample of the first such pair
   std::size_t kept_bricks = 0;

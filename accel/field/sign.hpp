@@ -28,7 +28,8 @@ concept SidePolicy = InsidePolicy<S> &&
 
 /// By the face that is nearest, where the closest point lies within it: nothing stands between, so that the
 /// side of its plane, decided exactly, is the side of the surface. Elsewhere by the face that a ray meets
-/// first (accel/volume.hpp). For closed, oriented meshes whose faces do not cross.
+/// first (accel/volume.hpp). For closed, oriented meshes whose faces neither cross
+/// nor coincide: of two at one place the lower id decides, which may be the wrong one.
 template <class Tree>
 class Facing {
  public:
