@@ -226,11 +226,14 @@ struct ClosestPoint {
 ///   (D + 2) / 2 units in the last place of the scalar), in no particular order unless the options ask for
 ///   one; within_squared: at a squared distance, as the index computes it, ≤ radius2; count_within: how many.
 ///   inside: ids of all in the closed box, exactly.
-/// Squared distances are those of the caller's units in the tree's scalar, and may be 0 or lose digits though
-/// the distance is not 0, or be infinite though it is finite (for float beyond some 1e-19 and 1e19). The
-/// ranking does not suffer: points are ranked by distances of a wider range then, and ties are only those
-/// that the scalar's digits could not tell apart. Radii and max_distance are true distances, and keep their
-/// meaning there; radius2 = 0 or infinite says no more than that. All throw InvalidInput for k = 0, a
+/// Squared distances are those of the caller's units in the tree's scalar, the same from every call for the
+/// same query and point. They lose digits where they are denormal (for float at distances below some 1e-19),
+/// are 0 though the distance is not where not even the least denormal number is left of them (below some
+/// 2e-23), and infinite though it is finite where they overflow (above some 1e19). The ranking does not
+/// suffer: points are ranked by distances of a wider range then, and ties are only those that the scalar's
+/// digits could not tell apart. Radii and max_distance are true distances, and keep their meaning there;
+/// within_squared compares what is told, so that radius2 = 0 also finds those whose squares vanish, and an
+/// infinite one finds all. All throw InvalidInput for k = 0, a
 /// negative or NaN radius, options out of range, a query that is not finite, or a box with NaN.
 template <class I>
 concept NeighborIndex = requires(

@@ -33,10 +33,6 @@ class DynamicQuery {
   }
   Wide rank(const Square& s) const { return rank_of<T>(s.distance2, s.wide, small_); }
   T told_square(Wide rank) const { return measure_.told_square(rank, small_); }
-  /// What within() tells of a point, whose answers are not ranked unless squares in T say too little.
-  T told_within(const Reach<T>& reach, const Square& s) const {
-    return reach.widely ? told_square(rank(s)) : measure_.unscaled_square(s.distance2);
-  }
 
   /// A radius, in the caller's units, within which every point lies that does not rank above; infinite where
   /// there is none.

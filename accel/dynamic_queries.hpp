@@ -199,7 +199,7 @@ void DynamicPoints<Tree>::each_within(const Point& q, Scalar radius, W& work, F&
   const bool direct = alike_ && !reach.widely;
   const auto measure = [&](Id id, const Point& p) {
     const auto square = query.square(p);
-    if (reach(square.distance2, square.wide)) f(Found{query.told_within(reach, square), id}, p);
+    if (reach(square.distance2, square.wide)) f(Found{query.told_square(query.rank(square)), id}, p);
   };
   const Scalar asked = direct || radius == 0 ? radius : Query::widened(radius);  // what is at q is so exactly
   std::vector<Found> told;
@@ -207,7 +207,7 @@ void DynamicPoints<Tree>::each_within(const Point& q, Scalar radius, W& work, F&
     part.tree->within(q, asked, told, work);
     for (const Found& t : told) {
       if (!is_there(part, t.id)) continue;
-      if (direct)
+      if (direct && is_sound(t.distance2))  // else the parts need not tell what all together do
         f(Found{t.distance2, part.ids[t.id]}, part.points[t.id]);
       else
         measure(part.ids[t.id], part.points[t.id]);
@@ -216,7 +216,10 @@ void DynamicPoints<Tree>::each_within(const Point& q, Scalar radius, W& work, F&
   work.primitive(loose_.size());
   if (direct && measure_.scale == 1)
     loose_.each_near(q, reach.square, [&](Scalar distance2, std::size_t i) {
-      f(Found{distance2, loose_.id(i)}, loose_.point(i));
+      if (is_sound(distance2))
+        f(Found{distance2, loose_.id(i)}, loose_.point(i));
+      else
+        measure(loose_.id(i), loose_.point(i));
     });
   else
     for (std::size_t i = 0; i < loose_.size(); ++i) measure(loose_.id(i), loose_.point(i));
@@ -256,7 +259,7 @@ void DynamicPoints<Tree>::within(const Point& q, Scalar radius, const WithinOpti
 template <NeighborIndex Tree>
 void DynamicPoints<Tree>::within_squared(const Point& q, Scalar radius2, std::vector<Found>& out) const {
   Checks::check_radius2(radius2);
-  within(q, std::nextafter(std::sqrt(radius2), std::numeric_limits<Scalar>::infinity()), out);
+  within(q, Measure::radius_over(radius2), out);
   std::erase_if(out, [&](const Found& f) { return f.distance2 > radius2; });
 }
 

@@ -242,6 +242,16 @@ struct PointMeasure {
     return narrowed_square<T>(rank * static_cast<Wide>(inverse_scale) * static_cast<Wide>(inverse_scale));
   }
 
+  /// A radius, in the caller's units, within which all lie whose told square is at most radius2: that may be
+  /// less than the true one by the roundings of its digits and, where it is denormal, by one on each axis and
+  /// two of the scale's.
+  static T radius_over(T radius2) {
+    if (std::isinf(radius2)) return radius2;
+    const Wide square = static_cast<Wide>(radius2) + (D + 2) * static_cast<Wide>(Limits::denorm_min());
+    const Wide radius = std::sqrt(square) * (1 + static_cast<Wide>(geometry::tolerance::gamma<T>(D + 4)));
+    return std::nextafter(static_cast<T>(radius), Limits::infinity());
+  }
+
   /// `radius`: in the caller's units.
   Reach<T> reach(T radius) const {
     if (std::isinf(radius)) return {};

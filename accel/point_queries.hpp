@@ -113,10 +113,10 @@ class PointQueries {
     out.resize(wanted);
     settle(q, scaled, limit, out, work);
   }
-  /// All at a squared distance of at most radius2, as rounded by squared_distance().
+  /// All at a squared distance of at most radius2, as nearest() tells it.
   void within_squared(const Point& q, T radius2, std::vector<Neighbor<T>>& out) const {
     Checks::check_radius2(radius2);
-    within(q, std::nextafter(std::sqrt(radius2), std::numeric_limits<T>::infinity()), out);
+    within(q, PointMeasure<T, D>::radius_over(radius2), out);
     std::erase_if(out, [&](const Neighbor<T>& n) { return n.distance2 > radius2; });
   }
   std::size_t count_within(const Point& q, T radius) const {
@@ -385,10 +385,36 @@ class PointQueries {
       return;
     }
     const std::size_t before = out.size();
-    append_scaled(set_.scaled(p), reach.square, out, work);
+    const Point scaled = set_.scaled(p);
+    append_scaled(scaled, reach.square, out, work);
+    const std::vector<Neighbor<T>> wide = taken_widely(p, scaled, reach, before, out, work);
     if (set_.scale != T(1))
       for (std::size_t i = before; i < out.size(); ++i)
         out[i].distance2 = set_.unscaled_square(out[i].distance2);
+    out.insert(out.end(), wide.begin(), wide.end());
+  }
+  /// Takes out of a list, from a place on, those whose scaled squares overflow, or have lost digits that the
+  /// wider type keeps, and returns them with the squares that settle() gives them. What is in the list is
+  /// looked at only where there may be such.
+  template <class W>
+  std::vector<Neighbor<T>> taken_widely(const Point& p, const Point& scaled, const Reach<T>& reach,
+                                        std::size_t from, std::vector<Neighbor<T>>& out, W& work) const {
+    std::vector<Neighbor<T>> told;
+    const bool small = set_.is_small(scaled), huge = std::isinf(reach.square);
+    if (!small && !huge) return told;
+    const auto first = out.begin() + static_cast<std::ptrdiff_t>(from);
+    bool any_huge = false, any_small = false;
+    for (auto n = first; n != out.end(); ++n)
+      any_huge |= overflows(n->distance2), any_small |= small && is_vague(n->distance2);
+    if (!any_huge && !any_small) return told;
+    out.erase(std::remove_if(first, out.end(),
+                             [&](const Neighbor<T>& n) { return any_huge || is_vague(n.distance2); }),
+              out.end());
+    const T limit = any_huge ? reach.square : std::nextafter(vague_square<T>(), T(0));
+    const WideQuery<T, D> q(set_, p);
+    for (const auto& c : all_within(q, {.square = limit}, work))
+      told.push_back({q.told_square(c.distance2), c.id});
+    return told;
   }
   /// With distances in scaled coordinates.
   template <class W>
