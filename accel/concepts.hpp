@@ -261,8 +261,14 @@ concept NeighborIndex = requires(
   index.inside(boxes, id_lists, threads);
 };
 
-/// Rays against triangles; triangles are closed sets and hit from both sides.
+/// Rays against triangles; triangles are closed sets and hit from both sides, but not by rays in their plane
+/// (geometry::Exact included). A t beyond the range of the scalar is no hit, whatever t_min and t_max.
 /// closest_hit: the hit of smallest t in [t_min, t_max] (ties: lower id). any_hit: whether there is one.
+/// Where a ray or a mesh is so large or small that t may underflow, hits are ranked by t in the tree's own
+/// unit (triangle_scale.hpp): of two that are both told a t of 0 the nearer one is first, whatever its id.
+/// (u, v) of a triangle seen almost edge-on may be off, t is then still within the triangle: the point that
+/// they name was found up to 2.4 % of the reach (of the triangle from the ray's origin) beside the ray's.
+/// Those of geometry::Exact are the true ones, to their last place.
 /// All throw InvalidInput for a ray with a NaN, an infinite origin or direction, or a zero direction.
 ///
 /// The wide trees over triangles (bvh/wide_triangles.hpp; float only) have more than every tree has:

@@ -19,6 +19,16 @@
 
 namespace treeline::accel {
 
+/// Where a ray begins and ends: a t beyond the range of T is no hit.
+template <class T>
+T begin_of(const geometry::Ray<T>& ray) {
+  return std::max(ray.t_min, std::numeric_limits<T>::lowest());
+}
+template <class T>
+T end_of(const geometry::Ray<T>& ray) {
+  return std::min(ray.t_max, std::numeric_limits<T>::max());
+}
+
 template <class T>
 class TriangleScale {
  public:
@@ -66,22 +76,22 @@ class TriangleScale {
   Ray scaled(const Ray& ray, int& shift) const {
     const T speed = std::abs(ray.direction[largest_axis(ray.direction)]);
     shift = 0;
-    if (!scales() && is_comfortable(ray)) return ray;
+    Ray r{ray.origin, ray.direction, begin_of(ray), end_of(ray)};
+    if (!scales() && is_comfortable(ray)) return r;
     const int exponent = std::ilogb(speed);
-    Ray r{scaled(ray.origin), ray.direction, ray.t_min, ray.t_max};
+    r.origin = scaled(ray.origin);
     if (std::abs(exponent + exponent_) <= 31) {
       r.direction = ray.direction * factor_;
       return r;
     }
     shift = exponent + exponent_;
     for (int k = 0; k < 3; ++k) r.direction[k] = std::ldexp(ray.direction[k], -exponent);
-    // A t beyond the range of T is no hit.
-    r.t_min = std::ldexp(std::max(ray.t_min, Limits::lowest()), shift);
-    r.t_max = std::ldexp(std::min(ray.t_max, Limits::max()), shift);
+    r.t_min = std::max(std::ldexp(r.t_min, shift), Limits::lowest());
+    r.t_max = std::min(std::ldexp(r.t_max, shift), Limits::max());
     return r;
   }
   static T unscaled_t(T t, int shift, const Ray& ray) {
-    return std::clamp(std::ldexp(t, -shift), ray.t_min, ray.t_max);
+    return std::clamp(std::ldexp(t, -shift), begin_of(ray), end_of(ray));
   }
 
  private:

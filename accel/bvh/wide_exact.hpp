@@ -30,7 +30,7 @@ struct ScaledRay : geometry::Ray<float> {
     const double unit = factor;
     const auto time = [&](float t) { return std::ldexp(double(t), shift); };
     return {Vec3d(given.origin) * unit, Vec3d(given.direction) * (unit * std::ldexp(1.0, -shift)),
-            time(given.t_min), time(given.t_max)};
+            time(begin_of(given)), time(end_of(given))};
   }
 };
 
@@ -42,7 +42,8 @@ class ExactTest {
 
   ExactTest(const geometry::Ray<float>& ray, const geometry::Vec<float, 3>& centre, const Box& bounds,
             float reach)
-      : ExactTest(ray, centre, bounds, reach, {ray, centre}) {}
+      : ExactTest(ray, centre, bounds, reach,
+                  {geometry::Ray<float>{ray.origin, ray.direction, begin_of(ray), end_of(ray)}, centre}) {}
   ExactTest(const ScaledRay& ray, const geometry::Vec<float, 3>& centre, const Box& bounds, float reach)
       : ExactTest(ray, centre, bounds, reach,
                   {ray.exact(), geometry::Vec3d(ray.centre) * double(ray.factor)}) {}

@@ -43,8 +43,8 @@ class Packet {
       inverse_[k][size_] = box.inverse[k];
     }
     new (&of_[size_].test) Test(ray, centre, bounds, box.reach);
-    of_[size_].best = {ray.t_max}, of_[size_].index = index, of_[size_].shift = shift;
-    t_min_[size_] = ray.t_min, limit_[size_] = ray.t_max;
+    of_[size_].best = {end_of(ray)}, of_[size_].index = index, of_[size_].shift = shift;
+    t_min_[size_] = ray.t_min, limit_[size_] = of_[size_].best.t;
     ++size_;
     return true;
   }

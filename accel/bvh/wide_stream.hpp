@@ -22,8 +22,8 @@ class ClosestFlight {
   void start(const Ray& ray, const Point& centre, const Box& bounds, Ref root) {
     new (&box_ray_) BoxRay<Layout>(ray, centre, bounds);
     new (&test) Test(ray, centre, bounds, box_ray_.reach);
-    best = {ray.t_max};
-    limit_ = key_of<Layout>(ray.t_max), ref_ = root;
+    best = {end_of(ray)};
+    limit_ = key_of<Layout>(best.t), ref_ = root;
     stack_.clear(root);
   }
   /// False when it has arrived.
@@ -74,7 +74,7 @@ class AnyFlight {
   void start(const Ray& ray, const Point& centre, const Box& bounds, Ref root) {
     new (&box_ray_) BoxRay<Layout>(ray, centre, bounds);
     new (&test_) Test(ray, centre, bounds, box_ray_.reach);
-    best_ = {ray.t_max};
+    best_ = {end_of(ray)};
     hit = false, height_ = 0, ref_ = root;
   }
   [[gnu::always_inline]] bool step(const Line* lines) {

@@ -147,16 +147,18 @@ class Bvh<Triangles<float, Policy>, Name>
     placed(given, [&](const auto& ray, const Point& centre, int shift) {
       const BoxRay box_ray(ray, centre, place_.bounds);
       const Test test(ray, centre, place_.bounds, box_ray.reach);
-      wide::all(tree_.lines.data(), tree_.root, box_ray, test, ray.t_max,
+      std::vector<NearestHit> met;
+      wide::all(tree_.lines.data(), tree_.root, box_ray, test, end_of(ray),
                 [&](const typename Layout::Leaf& leaf, Id id, std::uint32_t lane, float t) {
-                  hits.push_back(answer(given, shift, test, {t, id, &leaf, lane}));
+                  met.push_back({t, id, &leaf, lane});
                 });
+      // Ranked as closest_hit ranks them: before t is scaled back, when it may underflow.
+      std::sort(met.begin(), met.end(), [](const NearestHit& a, const NearestHit& b) {
+        return a.t < b.t || (a.t == b.t && a.id < b.id);
+      });
+      for (const NearestHit& hit : met)  // spatial splits keep a triangle in several leaves
+        if (hits.empty() || hits.back().primitive != hit.id) hits.push_back(answer(given, shift, test, hit));
     });
-    std::sort(hits.begin(), hits.end(), [](const Hit<float>& a, const Hit<float>& b) {
-      return a.t < b.t || (a.t == b.t && a.primitive < b.primitive);
-    });
-    // Spatial splits keep a triangle in several leaves.
-    hits.erase(std::unique(hits.begin(), hits.end()), hits.end());
   }
 
   /// Takes the same triangles with moved corners: answers become those of a tree built over them, the
@@ -255,7 +257,7 @@ class Bvh<Triangles<float, Policy>, Name>
     return placed(given, [&](const auto& ray, const Point& centre, int shift) {
       const BoxRay box_ray(ray, centre, place_.bounds);
       const Test test(ray, centre, place_.bounds, box_ray.reach);
-      NearestHit best{ray.t_max};
+      NearestHit best{end_of(ray)};
       wide::closest(tree_.lines.data(), tree_.root, box_ray, test, best, work);
       return answer(given, shift, test, best);
     });
@@ -280,7 +282,7 @@ class Bvh<Triangles<float, Policy>, Name>
     return placed(given, [&](const auto& ray, const Point& centre, int) {
       const BoxRay box_ray(ray, centre, place_.bounds);
       return wide::any(tree_.lines.data(), tree_.root, box_ray,
-                       Test(ray, centre, place_.bounds, box_ray.reach), ray.t_max, work);
+                       Test(ray, centre, place_.bounds, box_ray.reach), end_of(ray), work);
     });
   }
 

@@ -9,6 +9,7 @@
 
 #include "accel/bvh/wide_triangle_layout.hpp"
 #include "accel/ray_query.hpp"
+#include "accel/triangle_scale.hpp"
 #include "geometry/predicates.hpp"
 #include "geometry/ray.hpp"
 
@@ -35,7 +36,7 @@ class WoopTest {
     }
     speed_ = ray.direction[z];
     for (int k = 0; k < 2; ++k) direction_[k] = ray.direction[axes[k]], shear_[k] = direction_[k] / speed_;
-    t_min_ = ray.t_min;
+    t_min_ = begin_of(ray);
   }
 
   /// One bit for each triangle that is hit at a t of at most `limit`, and that t.

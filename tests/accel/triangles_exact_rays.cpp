@@ -1,6 +1,11 @@
 // The wide tree that decides exactly, against rationals: rays at corners and edges from far away, whose
 // direction's components are of any size, and meshes of any size.
-#include "accel/bvh/wide_triangles.hpp"
+#include <algorithm>
+
+#include "accel/brute_force.hpp"
+#include "accel/bsp_tree.hpp"
+#include "accel/bvh.hpp"
+#include "accel/kd_tree.hpp"
 #include "tests/accel/triangles_wide.hpp"
 #include "tests/geometry/witness.hpp"
 
@@ -201,6 +206,73 @@ TEST(ExactRays, HoweverSmallTheComponentThatDecides) {
   EXPECT_GT(tally.hits, 500);
   EXPECT_GT(tally.misses, 1000);
   EXPECT_GT(tally.borders, 300);
+}
+
+Triangle<float> wall(float z) { return {{-9, -9, z}, {9, -9, z}, {0, 9, z}}; }
+
+template <class Tree>
+class RangeOfTimes : public testing::Test {};
+using WideAndPlain =
+    testing::Types<Exactly, Bvh<Triangles<float>, accel::Wide>, Bvh<Triangles<float>>,
+                   KdTree<Triangles<float>>, BspTree<Triangles<float>>, BruteForce<Triangles<float>>>;
+TYPED_TEST_SUITE(RangeOfTimes, WideAndPlain);
+
+// Walls 50 and more away met at t = 5e41, by a slow ray or by one from afar.
+TYPED_TEST(RangeOfTimes, ATimeBeyondFloatIsNoHit) {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  const std::vector<Triangle<float>> walls{wall(60), wall(50)};
+  const TypeParam tree{std::span(walls)};
+  const std::vector<R> rays{{{0, 0, 0}, {0, 0, 1e-40f}},
+                            {{0, 0, 90}, {0, 0, 1e-40f}, -infinity},
+                            {{0, 0, 3e38f}, {0, 0, -1e-9f}},
+                            {{0, 0, 3e38f}, {0, 0, 1e-9f}, -infinity}};
+  for (const R& ray : rays) {
+    EXPECT_FALSE(tree.closest_hit(ray));
+    EXPECT_FALSE(tree.any_hit(ray));
+    if constexpr (requires(std::vector<Hit<float>> all) { tree.all_hits(ray, all); }) {
+      std::vector<Hit<float>> all;
+      tree.all_hits(ray, all);
+      EXPECT_TRUE(all.empty());
+      for (const RayBatch how : {RayBatch::streams, RayBatch::packets}) {
+        std::vector<R> same(16, ray);
+        std::vector<Hit<float>> hits(16);
+        std::vector<std::uint8_t> any(16);
+        tree.closest_hit(same, hits, 1, how), tree.any_hit(same, any, 1, how);
+        EXPECT_EQ(std::ranges::count(hits, Hit<float>{}), 16);
+        EXPECT_EQ(std::ranges::count(any, 0), 16);
+      }
+    }
+  }
+  // But the largest float is a t, and so is half of it, where t is off by some units in the last place.
+  constexpr bool exact = std::same_as<TypeParam, Exactly>;
+  const float largest = std::numeric_limits<float>::max(), far = exact ? largest : largest / 2;
+  const std::vector<Triangle<float>> floor{wall(0)};
+  const Hit<float> hit =
+      TypeParam{std::span(floor)}.closest_hit(R{{0, 0, far * 0x1p-100f}, {0, 0, -0x1p-100f}});
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit.t, far, exact ? 0 : 7 * 0x1p-24 * far);
+}
+
+// Two walls that are both told t = 0 (2e-9 / 3e38 underflows) but the nearer of which is known.
+TYPED_TEST(RangeOfTimes, WhereTimesUnderflowTheNearerIsFirst) {
+  const R ray{{0, 0, 0}, {0, 0, 3e38f}};
+  for (const bool near_last : {true, false}) {
+    const std::vector<Triangle<float>> walls{wall(near_last ? 2e-9f : 1e-9f),
+                                             wall(near_last ? 1e-9f : 2e-9f)};
+    const Id near = near_last ? 1 : 0;
+    const TypeParam tree{std::span(walls)};
+    EXPECT_EQ(tree.closest_hit(ray).t, 0);
+    EXPECT_EQ(tree.closest_hit(ray).primitive, near);
+    if constexpr (requires(std::vector<Hit<float>> all) { tree.all_hits(ray, all); }) {
+      std::vector<Hit<float>> all;
+      tree.all_hits(ray, all);
+      ASSERT_EQ(all.size(), 2u);
+      EXPECT_EQ(all[0], tree.closest_hit(ray));
+      EXPECT_EQ(all[1].primitive, 1 - near);
+    }
+  }
+  const std::vector<Triangle<float>> twice{wall(1e-9f), wall(1e-9f)};  // these do tie
+  EXPECT_EQ(TypeParam{std::span(twice)}.closest_hit(ray).primitive, 0u);
 }
 
 }  // namespace
