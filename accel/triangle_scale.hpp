@@ -6,7 +6,8 @@
 // coordinates that vanish beside the typical one. Rays keep their t, as their directions are scaled by as
 // much; a direction that would then be (or is) extreme takes a power of two of its own, and t with it. Cost
 // where nothing is scaled: two comparisons per ray. Known weakness: of a mesh with parts of very different
-// size only the typical ones are certain.
+// size only the typical ones are certain: coordinates of float below 2^-126 of the typical one lose digits,
+// those below 2^-149 vanish, and both limits rise by what the largest exceeds the typical one beyond 2^64.
 #pragma once
 
 #include <algorithm>

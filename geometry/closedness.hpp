@@ -24,8 +24,9 @@ struct Closedness {
   bool oriented = false;  ///< at every edge as many faces run one way as the other; implies closed
 };
 
-/// Corners that are equal, -0 and 0 among them, are the same; faces that name a corner twice do not count.
-/// A mesh without faces is closed and oriented. Throws std::out_of_range for a face that names no vertex.
+/// Corners that are equal, -0 and 0 among them, are the same; faces that name a corner twice do not count,
+/// nor do those with a corner that is not finite: where they stand the mesh has a hole. A mesh without faces
+/// is closed and oriented. Throws std::out_of_range for a face that names no vertex.
 template <class T>
 Closedness closedness(const Mesh<T>& mesh) {
   const auto key = [](const Vec<T, 3>& p) {
@@ -43,6 +44,7 @@ Closedness closedness(const Mesh<T>& mesh) {
       if (corner >= of_vertex.size())
         throw std::out_of_range("closedness: face " + std::to_string(f) + " names vertex " +
                                 std::to_string(corner) + " of " + std::to_string(of_vertex.size()));
+    if (!is_finite(mesh.triangle(f))) continue;
     const std::uint64_t v[3] = {of_vertex[face[0]], of_vertex[face[1]], of_vertex[face[2]]};
     for (int i = 0; i < 3; ++i) {
       const std::uint64_t from = v[i], to = v[(i + 1) % 3];

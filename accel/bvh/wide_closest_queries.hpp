@@ -18,7 +18,10 @@ struct ClosestOptions {
   /// the triangles as the tree keeps them, which scales by a power of two: coordinates below 2^-126 of the
   /// typical one lose digits first (triangle_scale.hpp).
   /// Without, all of it is as double finds it: of triangles whose distances agree to some 15 digits either
-  /// may be returned.
+  /// may be returned. The triangles are those that the tree keeps: where the typical coordinate is beyond
+  /// 2^±21 they are scaled to about 1 (triangle_scale.hpp), and coordinates below 2^-126 of the typical one
+  /// then lose digits, below 2^-149 they vanish. In such meshes of mixed scale exact answers are those of the
+  /// tree's triangles, not of the user's.
   bool exact = false;
 };
 
@@ -36,7 +39,8 @@ class WideClosestQueries {
 
   /// The nearest point of all triangles, those without an area included, if at a distance of at most
   /// max_distance. Ties in distance go to the lower id. Throw InvalidInput for a query that is not finite, a
-  /// max_distance that is negative or NaN, a batch with less room for answers than queries, threads < 1.
+  /// max_distance that is negative or NaN, a batch whose room for answers is not as many as its queries,
+  /// threads < 1.
   ClosestPoint<float> closest_point(const ClosestPointOf& query,
                                     float max_distance = std::numeric_limits<float>::infinity()) const {
     NoWork work;

@@ -254,7 +254,8 @@ class ClosestSearch {
     }
   }
   Point user_point() const { return Point(question_.point); }
-  /// As the user gave it: moving and scaling lost nothing.
+  /// As the user gave it, but for coordinates that scaling has made denormal or 0 beside the typical one
+  /// (triangle_scale.hpp): moving lost nothing.
   std::optional<ExactlyNear> user_triangle(int i) const {
     const auto t = eight_.triangle(i);
     const auto corner = [&](const Point& p) { return p * inverse_ + Point(space_.place.centre); };

@@ -9,8 +9,11 @@
 // side of a face a point lies is decided exactly; edges and corners are taken from the mesh, not from the
 // rounded closest point. Needs a closed, oriented mesh; with others it answers by the nearest face, which
 // near a hole's rim and beside faces turned around is wrong. Cost: the closest point, and 40 bytes a face.
-// Known weakness: a closest point found in float may belong to a triangle that is not nearest, where two
-// parts of the surface are as far to the last digits; the sign is that of the part found.
+// Known weakness: two faces in one place that look opposite ways, as where closed boxes touch, are equally
+// near and say opposite things: points nearest to them are told right on one side and wrong on the other,
+// though the mesh is closed and oriented (FirstHit has an answer). A closest point found in float may belong
+// to a triangle that is not nearest, where two parts of the surface are as far to the last digits; the sign
+// is that of the part found.
 #pragma once
 
 #include <numbers>

@@ -29,28 +29,34 @@ class SignedDistance {
   using SignOptions = typename Sign::Options;
 
   /// Throws InvalidInput for what the tree does not take: a vertex that is not finite, a face that names no
-  /// vertex. Nothing is kept of the mesh but what tree and rule copy.
+  /// vertex; and for threads < 1. Nothing is kept of the mesh but what tree and rule copy. Faces that the
+  /// tree drops as not finite are left out by every rule.
   explicit SignedDistance(const Mesh& mesh, const TreeOptions& tree_options = {},
                           const SignOptions& sign_options = {}, int threads = 1)
       : SignedDistance(mesh, Tree(mesh, tree_options), sign_options, threads) {}
-  /// With a tree that was built over the same mesh.
+  /// With a tree that was built over the same mesh. Throws InvalidInput for a face that names no vertex or
+  /// threads < 1.
   SignedDistance(const Mesh& mesh, Tree tree, const SignOptions& sign_options = {}, int threads = 1)
       : tree_(std::move(tree)),
-        closedness_(geometry::closedness(mesh)),
+        closedness_(checked_closedness(mesh, threads)),
         rule_(mesh, tree_, sign_options, threads) {}
 
-  /// Whether every edge has an even number of faces, corners at equal positions being one.
+  /// Whether every edge has an even number of faces, corners at equal positions being one and faces that are
+  /// not finite missing.
   bool closed() const { return closedness_.closed; }
-  /// Whether, besides, faces at an edge run opposite ways; FirstHit and Pseudonormal rely on both.
+  /// Whether, besides, faces at an edge run opposite ways; FirstHit and Pseudonormal rely on both. That is
+  /// not all they need: a mesh that crosses itself can have both, and so can one with two faces in one place,
+  /// as where boxes touch, between which Pseudonormal has no answer (pseudonormal.hpp).
   bool oriented() const { return closedness_.oriented; }
 
-  /// Throw InvalidInput for a query that is not finite, and batches for too little room or threads < 1.
+  /// Throw InvalidInput for a query that is not finite, and batches for room that is not as many as the
+  /// queries or threads < 1.
   bool inside(const Point& q) const {
     check({&q, 1});
     return rule_.inside(tree_, q);
   }
   void inside(std::span<const Point> queries, std::span<std::uint8_t> out, int threads) const {
-    check(queries), check_room(queries.size(), out.size());
+    check(queries), check_room(queries.size(), out.size()), check_threads(threads);
     rule_.inside(tree_, queries, out, threads);
   }
 
@@ -66,7 +72,7 @@ class SignedDistance {
   }
   void signed_distance(std::span<const Point> queries, std::span<Scalar> out,
                        int threads) const requires ClosestPointIndex<Tree> {
-    check(queries), check_room(queries.size(), out.size());
+    check(queries), check_room(queries.size(), out.size()), check_threads(threads);
     std::vector<ClosestPoint<Scalar>> closest(queries.size());
     tree_.closest_point(queries, std::numeric_limits<Scalar>::infinity(), closest, threads);
     std::vector<std::uint8_t> inside(sign_of_closest ? 0 : queries.size());
@@ -104,6 +110,15 @@ class SignedDistance {
                                                             double(q[1]) - double(closest.point[1]),
                                                             double(q[2]) - double(closest.point[2])));
     return d != 0 && inside() ? -d : d;
+  }
+  static geometry::Closedness checked_closedness(const Mesh& mesh, int threads) {
+    check_threads(threads);
+    for (std::size_t f = 0; f < mesh.size(); ++f)
+      for (const std::uint32_t corner : mesh.faces[f])
+        if (corner >= mesh.vertices.size())
+          throw InvalidInput("face " + std::to_string(f) + " names vertex " + std::to_string(corner) +
+                             " of " + std::to_string(mesh.vertices.size()));
+    return geometry::closedness(mesh);
   }
   static void check(std::span<const Point> queries) {
     for (std::size_t i = 0; i < queries.size(); ++i)

@@ -27,7 +27,7 @@ struct Winding {
     using Mesh = geometry::Mesh<T>;
 
     Rule(const Mesh& mesh, const Tree&, const Options& options, int threads)
-        : winding_(mesh, options.reach, threads) {}
+        : winding_(mesh, options.reach, threads, NonFinite::drop) {}  // as the tree has, or it had thrown
     std::size_t bytes() const { return winding_.bytes(); }
     const WindingTree<T>& winding() const { return winding_; }
 

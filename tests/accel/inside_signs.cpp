@@ -73,6 +73,62 @@ TYPED_TEST(SignedDistances, RefuseWhatHasNoAnswer) {
   EXPECT_THROW((SignedDistance<TypeParam, Pseudonormal>(mesh)), InvalidInput);
 }
 
+TYPED_TEST(SignedDistances, RefuseWhatCannotBeBuilt) {
+  using T = typename TypeParam::Scalar;
+  Mesh<T> mesh;
+  add_box(mesh, Box<T, 3>{{-1, -1, -1}, {1, 1, 1}});
+  const auto build = [&]<class Sign>(Sign, const Mesh<T>& of, int threads) {
+    SignedDistance<TypeParam, Sign>(of, TypeParam(mesh), {}, threads);
+  };
+  for (const int threads : {0, -1}) {
+    EXPECT_THROW(build(FirstHit{}, mesh, threads), InvalidInput);
+    EXPECT_THROW(build(Pseudonormal{}, mesh, threads), InvalidInput);
+    EXPECT_THROW(build(Winding{}, mesh, threads), InvalidInput);
+    EXPECT_THROW(build(Winding{}, Mesh<T>{}, threads), InvalidInput);
+    const SignedDistance<TypeParam> body(mesh);
+    EXPECT_THROW(body.inside({}, {}, threads), InvalidInput);
+    EXPECT_THROW(body.signed_distance({}, {}, threads), InvalidInput);
+  }
+  Mesh<T> bad = mesh;
+  bad.faces[3][1] = 99;
+  EXPECT_THROW(build(FirstHit{}, bad, 1), InvalidInput);
+  EXPECT_THROW(build(Pseudonormal{}, bad, 1), InvalidInput);
+  EXPECT_THROW(build(Winding{}, bad, 1), InvalidInput);
+}
+
+// A corner that is not finite takes its faces with it: a hole is left, which only Winding stands, and which
+// closed() tells of. Faces that hang on the mesh leave nothing when they go.
+TYPED_TEST(SignedDistances, FacesThatAreDroppedAreMissing) {
+  using T = typename TypeParam::Scalar;
+  const Mesh<T> whole = sphere<T>(3);
+  for (const T bad : {std::numeric_limits<T>::quiet_NaN(), std::numeric_limits<T>::infinity()}) {
+    Mesh<T> mesh = whole, open = whole, hanging = whole;
+    const std::uint32_t lost = mesh.faces[7][0];
+    mesh.vertices[lost][1] = bad;
+    std::erase_if(open.faces,
+                  [&](const auto& f) { return std::ranges::find(f, lost) != std::ranges::end(f); });
+    hanging.vertices.push_back({bad, bad, 0});
+    hanging.faces.push_back({0, 1, static_cast<std::uint32_t>(whole.vertices.size())});
+    using Options = typename TypeParam::Options;
+    Options drop;
+    drop.non_finite = NonFinite::drop;
+    EXPECT_THROW((SignedDistance<TypeParam, Winding>(mesh)), InvalidInput);
+    const SignedDistance<TypeParam, Winding> body(mesh, drop), same(open), fine(hanging, drop);
+    const SignedDistance<TypeParam> by_ray(mesh, drop);
+    EXPECT_FALSE(body.closed() || body.oriented() || by_ray.closed() || by_ray.oriented());
+    EXPECT_TRUE(fine.closed() && fine.oriented());
+    Pcg32 random(32);
+    for (int i = 0; i < 300; ++i) {
+      const Vec<T, 3> p = in_cube(random, T(2));
+      ASSERT_EQ(body.signed_distance(p), same.signed_distance(p));
+      if (std::abs(length(p) - 1) < T(0.1)) continue;
+      ASSERT_EQ(fine.inside(p), length(p) < 1);
+      const bool by_the_hole = length(p - whole.vertices[lost]) < T(0.3);
+      ASSERT_TRUE(by_the_hole || body.inside(p) == (length(p) < 1));
+    }
+  }
+}
+
 TYPED_TEST(SignedDistances, OfNothing) {
   using T = typename TypeParam::Scalar;
   const SignedDistance<TypeParam, Pseudonormal> nothing(Mesh<T>{});
