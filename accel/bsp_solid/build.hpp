@@ -10,6 +10,15 @@
 
 #include "accel/bsp_solid/choose_plane.hpp"
 
+namespace treeline::accel {
+
+/// The mesh bounds no solid: it is open, not oriented or inside out, or meets or crosses itself.
+struct NotASolid : InvalidInput {
+  using InvalidInput::InvalidInput;
+};
+
+}  // namespace treeline::accel
+
 namespace treeline::accel::solid {
 
 struct Node {
@@ -95,9 +104,9 @@ class SolidBuilder {
       const Piece& q = tree_.pieces[node.first + i];
       if (p.flip == q.flip) continue;
       if (Space::is_exact)
-        throw InvalidInput("solid: one cell is inside of face " + name(p.flip == side ? p : q) +
-                           " and outside of face " + name(p.flip == side ? q : p) +
-                           ", which lie in one plane: the surface meets or crosses itself");
+        throw NotASolid("solid: one cell is inside of face " + name(p.flip == side ? p : q) +
+                        " and outside of face " + name(p.flip == side ? q : p) +
+                        ", which lie in one plane: the surface meets or crosses itself");
       ++tree_.contradictions;
     }
     ++tree_.leaves;

@@ -41,9 +41,10 @@ class BspTree<Solid<Space>> {
   using Point = Vec3d;
   using Piece = solid::Piece;
 
-  /// Throws InvalidInput for a mesh that is not finite, not closed or not oriented, and for one that is
-  /// inside out (its volume is negative). Solids that cross themselves are refused where the build finds out;
-  /// elsewhere, what lies inside of two sheets is unspecified.
+  /// Throws NotASolid for a mesh that is not closed or not oriented, and for one that is inside out (its
+  /// volume is negative); InvalidInput for any other that it cannot take: not finite, empty. Solids that
+  /// cross themselves are refused, as NotASolid, where the build finds out; elsewhere, what lies inside of
+  /// two sheets is unspecified.
   template <class T>
   explicit BspTree(const geometry::Mesh<T>& mesh, const SolidOptions& options = {});
   /// Of convex polygons that bound a solid: piece i has face = i and is called names[i].
@@ -114,8 +115,7 @@ BspTree<Solid<Space>>::BspTree(const geometry::Mesh<T>& mesh, const SolidOptions
     : pieces_(solid::grid_of(mesh, options)) {
   const geometry::Adjacency adjacency(mesh);
   const auto refuse = [](std::size_t n, const char* what) {
-    if (n > 0)
-      throw InvalidInput("solid: the mesh is not the boundary of a solid: " + std::to_string(n) + what);
+    if (n > 0) throw NotASolid("solid: the mesh is not the boundary of a solid: " + std::to_string(n) + what);
   };
   refuse(adjacency.boundary_edges(), " edges have one face only");
   refuse(adjacency.misoriented_edges(), " edges have faces that run the same way");
@@ -149,8 +149,7 @@ BspTree<Solid<Space>>::BspTree(const geometry::Mesh<T>& mesh, const SolidOptions
           pieces_.corners[p.first + static_cast<std::uint32_t>(i)].twin = plane_of[across];
       }
   const double v = volume();
-  if (v <= 0)
-    throw InvalidInput("solid: the mesh is inside out or has no volume: it is " + std::to_string(v));
+  if (v <= 0) throw NotASolid("solid: the mesh is inside out or has no volume: it is " + std::to_string(v));
   build(options);
 }
 

@@ -19,6 +19,8 @@ class InsideSubject final : public Subject {
     keep_refusal(must_answer_, refusal, [&] { index_->inside(points, answers, knobs, threads); });
   }
 
+  const Index& index() const { return *index_; }
+
   std::vector<std::uint8_t> answers;
   std::string refusal;
 
@@ -67,9 +69,13 @@ const std::vector<Side>& InsideBlock::truth_of(std::size_t query_set) {
 Errors InsideBlock::check(std::size_t m, const Subject& subject, std::size_t query_set, const Knobs&) {
   const auto& answered = static_cast<const InsideSubject&>(subject);
   if (!answered.refusal.empty()) return refused_wrongly(answered.refusal);
-  const bool has_answer = !(input_.coincident && methods_[m].by_nearest_face);
-  const Promise promise{methods_[m].info.claim, !input_.whole && has_answer};
-  return judge(input_.mesh, input_.sets[query_set].points, truth_of(query_set), answered.answers, promise);
+  const Method& method = methods_[m];
+  const bool promises = !method.promises_nothing && !(input_.coincident && method.by_nearest_face);
+  const Promise promise{method.info.claim, !input_.whole && promises};
+  Errors result =
+      judge(input_.mesh, input_.sets[query_set].points, truth_of(query_set), answered.answers, promise);
+  result.extra.update(answered.index().facts());
+  return result;
 }
 
 }  // namespace treeline::bench::inside

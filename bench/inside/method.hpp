@@ -21,6 +21,8 @@ class Index {
   /// out[i] becomes 1 if points[i] is inside or on the surface, else 0.
   virtual void inside(std::span<const geometry::Vec3f> points, std::span<std::uint8_t> out,
                       const Knobs& query_knobs, int threads) const = 0;
+  /// What the build made, for the row, in fields of its own: "inside_" and a name.
+  virtual Knobs facts() const { return Knobs::object(); }
 };
 
 struct Method {
@@ -28,6 +30,8 @@ struct Method {
   std::function<std::unique_ptr<Index>(const geometry::Mesh3f&, const Knobs& build_knobs, int threads)> build;
   /// It goes by the nearest face alone, which says nothing where two faces lie in one another.
   bool by_nearest_face = false;
+  /// It is there to be seen failing: no share of wrong answers breaks a promise.
+  bool promises_nothing = false;
   /// Makes what the method's library sets up once a process and lifts the limit that it sets to the threads
   /// of everybody in it; called before anything is built.
   std::function<void(int threads)> warm_up = {};

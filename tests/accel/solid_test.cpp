@@ -310,6 +310,7 @@ TEST(Solid, RefusesWhatBoundsNothing) {
   Mesh3d inside_out = m;
   for (auto& f : inside_out.faces) std::swap(f[0], f[1]);
   refused(inside_out, "inside out");
+  for (const Mesh3d& no_solid : {open, turned, inside_out}) EXPECT_THROW(Tree{no_solid}, NotASolid);
   Mesh3d broken = m;
   broken.vertices[9][1] = NAN;
   refused(broken, "vertex 9 is not finite");
