@@ -45,9 +45,11 @@ inline double cap_overlap(double a, double b, double apart) {
   constexpr double pi = std::numbers::pi;
   if (apart >= a + b) return 0;
   if (apart <= std::abs(a - b)) return 2 * pi * (1 - std::cos(std::min(a, b)));
-  const auto angle = [](double opposite, double x, double y) {  // of a spherical triangle
-    const double c = (std::cos(opposite) - std::cos(x) * std::cos(y)) / (std::sin(x) * std::sin(y));
-    return std::acos(std::clamp(c, -1.0, 1.0));
+  // Of a spherical triangle, by half angles: the law of cosines cancels where caps are small.
+  const auto angle = [](double opposite, double x, double y) {
+    const double s = 0.5 * (opposite + x + y);
+    return 2 * std::atan2(std::sqrt(std::max(0.0, std::sin(s - x) * std::sin(s - y))),
+                          std::sqrt(std::max(0.0, std::sin(s) * std::sin(s - opposite))));
   };
   return 2 * (pi - angle(apart, a, b) - std::cos(a) * angle(b, apart, a) - std::cos(b) * angle(a, apart, b));
 }

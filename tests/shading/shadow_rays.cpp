@@ -59,7 +59,8 @@ TEST(LightSamples, EachPatternIsUniformOverTheSquare) {
         ++counts[static_cast<std::size_t>(p[1] * cells) * cells + static_cast<std::size_t>(p[0] * cells)];
       }
     }
-    // Points of a pixel repel each other, so the sum stays below chi-square's; of 35 degrees, beyond 75 one time in 10^4.
+    // Points of a pixel repel each other, so the sum stays below chi-square's; of 35 degrees, beyond 75 one
+    // time in 10^4.
     const double expected = 12.0 * pixels / (cells * cells);
     double chi2 = 0;
     for (const double c : counts) chi2 += (c - expected) * (c - expected) / expected;
@@ -332,7 +333,7 @@ RC_GTEST_PROP(ClosedForms, ACapsOverlapIsWhatSamplesCount, ()) {
 
 TEST(ClosedForms, SmallCapsAreDiscs) {
   for (double x = 0; x < 3; x += 0.1)
-    EXPECT_NEAR(cap_behind_cap(1e-2, 1.5e-2, 1e-2 * x), disc_behind_disc(1.5, x), 1e-4);
+    EXPECT_NEAR(cap_behind_cap(1e-3, 1.5e-3, 1e-3 * x), disc_behind_disc(1.5, x), 1e-6);
   EXPECT_NEAR(disc_behind_disc(1e6, 1e6 - 0.3), disc_over_edge(-0.3), 1e-5);  // a large disc is a half-plane
 }
 
