@@ -125,8 +125,7 @@ double crawl(bool snapped, bool fitted) {
   for (int frame = 0; frame < 12; ++frame) {
     const Vec3d step{random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02)};
     const Camera camera = frame == 0 ? first : walker(first.position + step);
-    std::vector<Vec3d> points;
-    for (const Receiver& r : receivers) points.push_back(r.position);
+    const std::vector<Vec3d> points = seen(camera, 62, 20000, 4);
     CascadeOptions o;
     o.count = 1, o.fitted = fitted, o.snapped = snapped, o.resolution = 512;
     if (!fitted) o.near = 0.5, o.far = 70;
