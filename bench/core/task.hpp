@@ -106,8 +106,8 @@ struct RunContext {
   Profile profile = Profile::quick;
   std::uint64_t seed = 1;
   int threads = 1;
-  std::string truth_cache;                 // folder for cached truths; empty: no cache
-  std::map<std::string, std::string> own;  // values of the task's own flags (Task::flags) that were given
+  std::string truth_cache;                   // folder for cached truths; empty: no cache
+  std::map<std::string, std::string> own{};  // values of the task's own flags (Task::flags) that were given
 };
 
 /// A flag that only one task has; it takes a value, and the task makes sense of it.

@@ -25,7 +25,10 @@ std::vector<Receiver> on_line(const datasets::ReceiverLine& line) {
   return out;
 }
 
-double diagonal(const shading::Scene& scene) { return length(geometry::Vec3d(scene.mesh.box().extent())); }
+geometry::Box3d box_of(const shading::Scene& scene) {
+  const auto box = scene.mesh.box();
+  return {geometry::Vec3d(box.low), geometry::Vec3d(box.high)};
+}
 
 }  // namespace
 
@@ -34,6 +37,7 @@ struct ShadowBlock::Set {
   std::vector<Receiver> receivers;
   std::vector<std::uint32_t> pixel;  // of the set `image`
   std::vector<Truth> truth;          // one a frame; empty: not yet known
+  const datasets::ReceiverLine* line = nullptr;
 };
 
 namespace {
@@ -153,15 +157,14 @@ ShadowBlock::ShadowBlock(const std::vector<Method>& methods, BlockInput input)
     query_sets_.push_back({std::move(name), set.receivers.size() * frames});
     sets_.push_back(std::move(set));
   };
-  add("image", {What::image, image_.list, image_.pixel, {}});
-  if (input_.edge) add("edge", {What::edge, on_line(*input_.edge), {}, {}});
-  if (input_.contact) add("contact", {What::contact, on_line(*input_.contact), {}, {}});
+  add("image", {What::image, image_.list, image_.pixel, {}, nullptr});
+  for (const auto& line : input_.lines) add(line.name, {What::line, on_line(line), {}, {}, &line});
   if (input_.frames > 1) {
     for (int f = 0; f < input_.frames; ++f) {
       frames_.push_back(input_.scene);
       frames_.back().light = moved(input_.scene, f);
     }
-    Set set{What::motion, {}, {}, {}};
+    Set set{What::motion, {}, {}, {}, nullptr};
     const std::size_t stride = image_.list.size() / (most_moving + 1) + 1;
     for (std::size_t i = 0; i < image_.list.size(); i += stride) set.receivers.push_back(image_.list[i]);
     add("motion", std::move(set), frames_.size());
@@ -235,21 +238,23 @@ Errors ShadowBlock::check(std::size_t m, const Subject& subject, std::size_t que
       e.reason = "receiver " + std::to_string(*i) + " is answered " + std::to_string(made.answers[*i]) +
                  ", true is " + std::to_string(truth.visibility[*i]) + " there and all around it";
     }
-  if (set.what == What::edge)
-    note_width(made.answers, truth.visibility, distance(input_.edge->from, input_.edge->to), e.extra);
-  if (set.what == What::contact) {
-    double texel = 0;
-    if (const Knobs& knobs = made.build_knobs(); knobs.contains("resolution")) {
-      const auto box = input_.scene.mesh.box();
-      const auto view = shading::shadow::fit_view(
-          input_.scene.light, geometry::Box3d{geometry::Vec3d(box.low), geometry::Vec3d(box.high)});
-      texel = view.texel_width(knobs.at("resolution").get<int>(),
-                               dot(input_.contact->from - view.origin, view.forward));
-    }
-    note_gap(made.answers, distance(input_.contact->from, input_.contact->to), texel, e.extra);
-  }
+  if (set.line) note_line(*set.line, made, truth, e.extra);
   e.extra.update(made.facts());
   return e;
+}
+
+void ShadowBlock::note_line(const datasets::ReceiverLine& line, const Subject& subject, const Truth& truth,
+                            Knobs& extra) const {
+  const auto& made = dynamic_cast<const Made&>(subject);
+  const double length = distance(line.from, line.to);
+  if (line.name == "edge") note_width(made.answers, truth.visibility, length, extra);
+  if (line.name != "contact") return;
+  double texel = 0;
+  if (const Knobs& knobs = made.build_knobs(); knobs.contains("resolution")) {
+    const auto view = shading::shadow::fit_view(input_.scene.light, box_of(input_.scene));
+    texel = view.texel_width(knobs.at("resolution").get<int>(), dot(line.from - view.origin, view.forward));
+  }
+  note_gap(made.answers, length, texel, extra);
 }
 
 /// By how much the answers' change from frame to frame differs from the truth's.
@@ -278,7 +283,7 @@ Errors ShadowBlock::check_motion(std::span<const float> answers, const std::vect
 /// The first receiver whose hard shadow is told wrong, though it is the same all around.
 std::optional<std::size_t> ShadowBlock::false_without_reason(std::span<const float> answers, const Set& set,
                                                              const Truth& truth) const {
-  const double r = forgiven * diagonal(input_.scene);
+  const double r = forgiven * length(box_of(input_.scene).extent());
   for (std::size_t i = 0; i < set.receivers.size(); ++i) {
     if (std::abs(double(answers[i]) - truth.visibility[i]) <= much) continue;
     const Receiver& at = set.receivers[i];

@@ -15,10 +15,9 @@ using LightForm = std::function<double(const shading::Light&, const Receiver&)>;
 struct BlockInput {
   shading::Scene scene;
   std::uint64_t dataset_hash = 0, seed = 1;
-  LightForm closed_form;                          // empty: rays tell the truth
-  std::optional<datasets::ReceiverLine> edge;     // its set is asked where it is there
-  std::optional<datasets::ReceiverLine> contact;  // the same
-  int frames = 0;                                 // of the set `motion`; 0: not asked
+  LightForm closed_form;                      // empty: rays tell the truth
+  std::vector<datasets::ReceiverLine> lines;  // a query set each
+  int frames = 0;                             // of the set `motion`; 0: not asked
   TruthOptions truth;
   int threads = 1;  // for the truth
   std::string truth_cache;
@@ -53,11 +52,12 @@ class ShadowBlock final : public Block {
   const Truth& truth(std::size_t query_set) { return truth_of(query_set).front(); }
 
  private:
-  enum class What { image, edge, contact, motion };
+  enum class What { image, line, motion };
   struct Set;
 
   const std::vector<Truth>& truth_of(std::size_t query_set);  // one a frame
   Truth find(const Set&, const shading::Scene&) const;
+  void note_line(const datasets::ReceiverLine&, const Subject&, const Truth&, Knobs& extra) const;
   Errors check_motion(std::span<const float> answers, const std::vector<Truth>&) const;
   std::optional<std::size_t> false_without_reason(std::span<const float> answers, const Set&,
                                                   const Truth&) const;

@@ -8,7 +8,6 @@
 
 #include <array>
 #include <numbers>
-#include <span>
 #include <vector>
 
 #include "bench/shadow/lights.hpp"
@@ -58,12 +57,15 @@ inline double square_share(double a, double b, double c) {
   return std::clamp(area / 4, 0.0, 1.0);
 }
 
-/// The share that one half-plane takes; it must stand between receiver and light, and end nowhere in sight.
+/// The share that one half-plane takes; it must end nowhere else in sight of the receiver.
 inline double blocked_by(const datasets::HalfPlane& plane, const Light& light, const Vec3d& from) {
+  // On the light's side of the blocker, or in its plane, nothing is blocked.
+  Vec3d away = cross(plane.along, plane.into);
+  const Vec3d middle = light.kind == LightKind::directional ? -light.direction : light.position - plane.point;
+  if (dot(away, middle) < 0) away = -away;
+  if (dot(away, from - plane.point) > -1e-9 * length(away)) return 0;
   // The plane through receiver and edge; its normal leads away from the blocker.
-  Vec3d n = cross(plane.point - from, plane.along);
-  if (!(length(n) > 0)) return 0;
-  n = normalized(n);
+  Vec3d n = normalized(cross(plane.point - from, plane.along));
   if (dot(n, plane.into) > 0) n = -n;
   const auto above = [&](const Vec3d& p) { return dot(p - from, n); };
   switch (light.kind) {
@@ -85,12 +87,14 @@ inline double blocked_by(const datasets::HalfPlane& plane, const Light& light, c
   return above(light.position) > 0 ? 0 : 1;
 }
 
-/// Blockers that do not cover each other, seen from the receiver.
-inline double visible_past(std::span<const datasets::HalfPlane> planes, const Light& light,
-                           const Vec3d& from) {
-  double visible = 1;
-  for (const auto& plane : planes) visible -= blocked_by(plane, light, from);
-  return std::clamp(visible, 0.0, 1.0);
+/// The share of the light that all of them leave.
+inline double visible_past(const datasets::Blockers& blockers, const Light& light, const Vec3d& from) {
+  double most = 0, sum = 0;
+  for (const auto& plane : blockers.planes) {
+    const double blocked = blocked_by(plane, light, from);
+    most = std::max(most, blocked), sum += plane.sign * blocked;
+  }
+  return std::clamp(1 - (blockers.nested ? most : sum), 0.0, 1.0);
 }
 
 }  // namespace treeline::bench::shadow

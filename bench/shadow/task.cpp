@@ -1,16 +1,15 @@
 #include "bench/shadow/task.hpp"
 
-#include <algorithm>
-#include <bit>
 #include <stdexcept>
 
-#include "bench/core/registry.hpp"
 #include "bench/shadow/closed_form.hpp"
-#include "bench/shadow/scene_of.hpp"
-#include "geometry/random.hpp"
+#include "datasets_gen/scenes/light.hpp"
+#include "datasets_gen/scenes/scene.hpp"
 
 namespace treeline::bench::shadow {
 namespace {
+
+constexpr int frames = 5;  // of the set `motion`
 
 struct Size {
   int width, height;
@@ -35,65 +34,57 @@ TruthOptions truth_options(Profile profile, std::uint64_t seed) {
   return o;
 }
 
-/// Of the mesh, the light and the camera.
-std::uint64_t hash_of(const shading::Scene& scene) {
-  datasets::Dataset mesh;
-  mesh.kind = datasets::Kind::mesh, mesh.mesh = scene.mesh;
-  std::uint64_t h = mesh.hash();
-  const auto add = [&](double x) { h = geometry::hash_u64(h, std::bit_cast<std::uint64_t>(x)); };
-  const shading::Light& light = scene.light;
-  for (const auto& v : {light.position, light.direction, light.u, light.v, scene.camera.position,
-                        scene.camera.target, scene.camera.up})
-    for (int k = 0; k < 3; ++k) add(v[k]);
-  add(double(light.kind)), add(light.angle), add(scene.camera.height_angle);
-  add(scene.camera.width), add(scene.camera.height);
-  return h;
+/// Known shadows as a formula; empty if they are not known.
+LightForm form_of(const datasets::KnownShadows& known) {
+  if (known.all_lit) return [](const shading::Light&, const Receiver&) { return 1.0; };
+  if (known.blockers.empty()) return {};
+  return [blockers = known.blockers](const shading::Light& light, const Receiver& r) {
+    return visible_past(blockers, light, r.position);
+  };
 }
 
-int up_axis(const RunContext& context) {
-  const auto given = context.own.find("--up");
-  if (given == context.own.end()) return 1;
-  if (given->second == "x") return 0;
-  if (given->second == "y") return 1;
-  if (given->second == "z") return 2;
-  throw std::invalid_argument("--up is '" + given->second + "'; it must be x, y or z");
-}
-
-/// True if the scene's own light gave way to another.
-bool relight(shading::Scene& scene, const RunContext& context) {
-  const auto given = context.own.find("--light");
-  if (given == context.own.end()) return false;
-  const auto box = scene.mesh.box();
-  scene.light = light_from(given->second, geometry::Vec3d(box.low) * 0.5 + geometry::Vec3d(box.high) * 0.5);
-  return true;
+void take_scene(BlockInput& input, datasets::Dataset&& dataset, const RunContext& context, int version) {
+  if (const auto given = context.own.find("--light"); given != context.own.end())
+    dataset.scene.light = datasets::parse_light(given->second);
+  input.dataset_hash = dataset.hash(), input.seed = dataset.seed;
+  input.scene = std::move(dataset.scene);
+  input.truth_cache = context.truth_cache, input.version = version;
 }
 
 }  // namespace
 
-ShadowTask::ShadowTask() : methods_(Registry<Method>::instance().in_order_of(TREELINE_TASK_METHODS)) {
-  for (const Method& m : methods_) infos_.push_back(m.info);
-}
-
-std::vector<std::pair<std::string, std::string>> ShadowTask::not_built() const {
-  return parse_not_built(TREELINE_TASK_NOT_BUILT);
-}
+ShadowTask::ShadowTask() : RegisteredTask(TREELINE_TASK_METHODS, TREELINE_TASK_NOT_BUILT) {}
 
 std::vector<TaskFlag> ShadowTask::flags() const {
-  return {{"--light",
-           "Another light: directional:X,Y,Z[:DEGREES], point:X,Y,Z, spot:X,Y,Z:DEGREES, "
-           "disc:X,Y,Z:RADIUS or rectangle:X,Y,Z:SIDE"},
-          {"--up", "Of --input: which way is up, x, y (the default) or z"}};
+  return {{"--light", std::string("Another light for the scene: ") + datasets::light_syntax}};
 }
 
 void ShadowTask::check_flags(const RunContext& context) const {
-  up_axis(context);
-  if (const auto given = context.own.find("--light"); given != context.own.end())
-    light_from(given->second, geometry::Vec3d::filled(1e-3));
+  if (const auto given = context.own.find("--light"); given != context.own.end()) try {
+      datasets::parse_light(given->second);
+    } catch (const std::exception& e) {
+      throw std::invalid_argument("--light " + given->second + ": " + e.what());
+    }
 }
 
 std::vector<BlockSpec> ShadowTask::blocks(Profile profile) const {
-  if (profile == Profile::smoke) return {{"icosphere", 1'000}};
-  return {{"icosphere", 10'000}};
+  if (profile == Profile::smoke) return {{"half_plane_edge", 100}};
+  std::vector<BlockSpec> out{{"half_plane_edge", 200},
+                             {"sphere_over_floor", 5'000},
+                             {"wall_on_floor", 200},
+                             {"slab_and_sheet", 200},
+                             {"two_stacked", 200},
+                             {"three_layers", 200},
+                             {"slit", 200},
+                             {"picket_fence", 2'000},
+                             {"leaves", 100'000},
+                             {"city", 20'000},
+                             {"open_casters", 500}};
+  if (profile == Profile::full) {
+    out.push_back({"leaves", 1'000'000});
+    out.push_back({"city", 200'000});
+  }
+  return out;
 }
 
 std::vector<BlockSpec> ShadowTask::hard_blocks() const {
@@ -106,23 +97,15 @@ std::unique_ptr<Block> ShadowTask::open(const BlockSpec& spec, const RunContext&
   if (!spec.hard) return open(datasets::generate(spec.dataset, spec.n, context.seed), context);
   for (datasets::HardShadow& c : datasets::hard_shadows()) {
     if (c.name != spec.dataset) continue;
+    datasets::Dataset dataset;
+    dataset.kind = datasets::Kind::scene, dataset.seed = context.seed, dataset.scene = std::move(c.scene);
     BlockInput input;
-    input.scene = std::move(c.scene);
-    input.dataset_hash = hash_of(input.scene), input.seed = context.seed;
-    if (c.all_lit || c.all_dark)
-      input.closed_form = [lit = c.all_lit](const shading::Light&, const Receiver&) {
-        return lit ? 1.0 : 0.0;
-      };
-    else if (!c.blockers.empty())
-      input.closed_form = [blockers = c.blockers](const shading::Light& light, const Receiver& r) {
-        return visible_past(blockers, light, r.position);
-      };
-    input.edge = c.edge, input.contact = c.contact;
+    take_scene(input, std::move(dataset), {.seed = context.seed, .truth_cache = context.truth_cache},
+               version());
+    input.closed_form = form_of(c.known), input.lines = c.known.lines, input.frames = c.frames;
     input.truth = truth_options(Profile::quick, context.seed);
-    input.threads = 1;  // hard cases run in children of a fork: no thread pool here
-    input.truth_cache = context.truth_cache, input.version = version();
     input.must_answer = c.expect == datasets::Expect::answers;
-    auto block = std::make_unique<ShadowBlock>(methods_, std::move(input));
+    auto block = std::make_unique<ShadowBlock>(registered(), std::move(input));
     block->find_truth();  // once, for all the children
     return block;
   }
@@ -130,19 +113,23 @@ std::unique_ptr<Block> ShadowTask::open(const BlockSpec& spec, const RunContext&
 }
 
 std::unique_ptr<Block> ShadowTask::open(datasets::Dataset dataset, const RunContext& context) const {
-  if (dataset.kind != datasets::Kind::mesh || dataset.mesh.faces.empty())
+  if (dataset.kind != datasets::Kind::scene || dataset.scene.mesh.faces.empty())
     throw std::invalid_argument("'" + dataset.name +
-                                "' has no triangles; the task shadow needs a mesh or a scene");
+                                "' is no scene with triangles; the task shadow needs one");
   const Size size = image_size(context.profile);
+  dataset.scene.camera.width = size.width, dataset.scene.camera.height = size.height;
   BlockInput input;
-  input.scene = scene_of(dataset.name, dataset.mesh, up_axis(context), size.width, size.height);
-  relight(input.scene, context);
-  input.dataset_hash = hash_of(input.scene), input.seed = dataset.seed;
+  const std::string name = dataset.scene.name;
+  take_scene(input, std::move(dataset), context, version());
+  if (datasets::is_scene(name)) {  // not a user's mesh, whatever the name of its file
+    const datasets::KnownShadows known = datasets::known_shadows(name);
+    if (!context.own.contains("--light")) input.closed_form = form_of(known), input.lines = known.lines;
+    if (name.starts_with("half_plane_edge")) input.frames = frames;
+  }
   input.truth = truth_options(context.profile, context.seed);
   input.threads = context.threads;
-  input.truth_cache = context.truth_cache, input.version = version();
   input.quick = context.profile == Profile::quick;
-  return std::make_unique<ShadowBlock>(methods_, std::move(input));
+  return std::make_unique<ShadowBlock>(registered(), std::move(input));
 }
 
 void ShadowTask::pictures(const BlockSpec&, const RunContext&, const std::string&) const {}

@@ -20,32 +20,25 @@
 // approximate, stochastic: nothing more.
 #pragma once
 
+#include "bench/core/registered_task.hpp"
 #include "bench/shadow/block.hpp"
 
 namespace treeline::bench::shadow {
 
-class ShadowTask final : public Task {
+class ShadowTask final : public RegisteredTask<Method> {
  public:
   ShadowTask();
   std::string name() const override { return "shadow"; }
   int version() const override { return 1; }
-  const std::vector<MethodInfo>& methods() const override { return infos_; }
-  std::vector<std::pair<std::string, std::string>> not_built() const override;
   std::vector<BlockSpec> blocks(Profile) const override;
   std::vector<BlockSpec> hard_blocks() const override;
   std::vector<TaskFlag> flags() const override;
   void check_flags(const RunContext&) const override;
-  datasets::Kind dataset_kind() const override { return datasets::Kind::mesh; }
+  datasets::Kind dataset_kind() const override { return datasets::Kind::scene; }
   std::unique_ptr<Block> open(const BlockSpec&, const RunContext&) const override;
   std::unique_ptr<Block> open(datasets::Dataset, const RunContext&) const override;
   std::vector<std::string> advise_on() const override { return {"image"}; }
   void pictures(const BlockSpec&, const RunContext&, const std::string& folder) const override;
-
-  const std::vector<Method>& registered() const { return methods_; }
-
- private:
-  std::vector<Method> methods_;
-  std::vector<MethodInfo> infos_;
 };
 
 }  // namespace treeline::bench::shadow

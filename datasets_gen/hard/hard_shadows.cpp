@@ -48,7 +48,8 @@ HardShadow& named(std::vector<HardShadow>& all, std::string name, std::string so
   return c;
 }
 /// A scene of scenes/scene.hpp; its name, knobs and all, is that of the case.
-HardShadow& of_scene(std::vector<HardShadow>& all, const std::string& scene, std::string source, std::string law) {
+HardShadow& of_scene(std::vector<HardShadow>& all, const std::string& scene, std::string source,
+                     std::string law) {
   HardShadow& c = named(all, "shadow_" + scene, std::move(source), std::move(law));
   c.scene = make_scene(scene, faces, 1);
   c.scene.camera.width = columns, c.scene.camera.height = rows;
@@ -59,16 +60,23 @@ HardShadow& of_scene(std::vector<HardShadow>& all, const std::string& scene, std
 void add_lit(std::vector<HardShadow>& all) {
   const char* const law = "a plane that nothing stands over is lit";
   for (const char* scene : {"tilted_plane_60_0", "tilted_plane_85_0", "tilted_plane_60_45"})
-    of_scene(all, scene,
-             "derivation: without bias half of a plane shadows itself, with b along the light ½ − b/(s tan θ)", law);
-  of_scene(all, "tilted_plane_88_0", "derivation: marches that begin at a grazing floor are stopped by it", law);
-  HardShadow& flat = named(all, "shadow_light_along_normal",
-                           "Aaltonen 2018: distances along the way double at each step, and h²/2h is all of h", law);
+    of_scene(
+        all, scene,
+        "derivation: without bias half of a plane shadows itself, with b along the light ½ − b/(s tan θ)",
+        law);
+  of_scene(all, "tilted_plane_88_0", "derivation: marches that begin at a grazing floor are stopped by it",
+           law);
+  HardShadow& flat =
+      named(all, "shadow_light_along_normal",
+            "Aaltonen 2018: distances along the way double at each step, and h²/2h is all of h", law);
   Parts parts;
   parts.floor(8, faces);
   flat.scene.mesh = std::move(parts.mesh);
   flat.scene.camera = from_above(2, 3);
-  flat.scene.light = {.kind = LightKind::disc, .position = {0, 5, 0}, .direction = {0, -1, 0}, .u = {1, 0, 0},
+  flat.scene.light = {.kind = LightKind::disc,
+                      .position = {0, 5, 0},
+                      .direction = {0, -1, 0},
+                      .u = {1, 0, 0},
                       .v = {0, 0, 1}};
   flat.known.all_lit = true;
 }
@@ -79,16 +87,19 @@ void add_lost(std::vector<HardShadow>& all) {
   of_scene(all, "slab_and_sheet_0.01",
            "Woo 1992: midpoints in a slab of thickness T leave ½ − T/(2 s tan θ) of its top in false shadow",
            "slabs cast shadows, and their tops are lit");
-  of_scene(all, "slab_and_sheet_0.0001", "derivation: a sheet thinner than a cell of a distance field is not there",
+  of_scene(all, "slab_and_sheet_0.0001",
+           "derivation: a sheet thinner than a cell of a distance field is not there",
            "a sheet casts the shadow of its outline, however thin it is");
-  of_scene(all, "picket_fence_0.01", "derivation: pickets narrower than a texel", "pickets cast the shadows that they are wide");
+  of_scene(all, "picket_fence_0.01", "derivation: pickets narrower than a texel",
+           "pickets cast the shadows that they are wide");
 }
 
 void add_leaks(std::vector<HardShadow>& all) {
   const char* const law = "what lies in the shadow of all layers is dark";
   for (const char* r : {"1", "0.5", "0.1"})
     of_scene(all, "two_stacked_" + std::string(r),
-             "Lauritzen and McCool 2008; derivation: two depths leak up to 1/(1 + 2r)² through two moments", law);
+             "Lauritzen and McCool 2008; derivation: two depths leak up to 1/(1 + 2r)² through two moments",
+             law);
   for (const char* gap : {"1", "0.25", "0.1"})
     of_scene(all, "three_layers_" + std::string(gap),
              "Peters and Klein 2015; derivation: three depths leak through four moments", law);
@@ -98,17 +109,22 @@ void add_soft(std::vector<HardShadow>& all) {
   const char* const law = "a penumbra is as wide as the formula has it";
   of_scene(all, "half_plane_edge_1_0.5", "closed form: a rectangle over an edge", law).frames = 5;
   of_scene(all, "half_plane_edge_3_0.5", "closed form: a rectangle over an edge, near the light", law);
-  of_scene(all, "slit_0.25", "closed form: the product or the least of two half shadows is not their union", law);
+  of_scene(all, "slit_0.25", "closed form: the product or the least of two half shadows is not their union",
+           law);
 
   // Under a light in the plane y = 10: two edges at depths 2 and 9, receivers at 10.
   const auto under_light = [&](const char* name, const char* source) -> HardShadow& {
     HardShadow& c = named(all, name, source, law);
     c.scene.camera = from_above(1.2, 0.9);
-    c.scene.light = {.kind = LightKind::rectangle, .position = {0, 10, 0}, .direction = {0, -1, 0}, .u = {0.5, 0, 0},
+    c.scene.light = {.kind = LightKind::rectangle,
+                     .position = {0, 10, 0},
+                     .direction = {0, -1, 0},
+                     .u = {0.5, 0, 0},
                      .v = {0, 0, 0.5}};
     return c;
   };
-  HardShadow& two = under_light("shadow_edges_far_apart", "derivation: the mean of two blockers' depths is neither's");
+  HardShadow& two =
+      under_light("shadow_edges_far_apart", "derivation: the mean of two blockers' depths is neither's");
   Parts parts;
   parts.floor(12, faces);
   parts.sheet({-6, 8, -6}, {0, 0, 12}, {6.05, 0, 0}, faces);
@@ -117,20 +133,24 @@ void add_soft(std::vector<HardShadow>& all) {
   two.known.blockers = {{{{0.05, 8, 0}, {0, 0, 1}, {-1, 0, 0}}, {{0, 1, 0}, {0, 0, 1}, {-1, 0, 0}}}, true};
   two.known.lines.push_back({"edge", {-2, 0, 0.1}, {3, 0, 0.3}});
 
-  HardShadow& strip = under_light("shadow_thin_strip", "derivation: sixteen taps of a blocker search miss a thin strip");
+  HardShadow& strip =
+      under_light("shadow_thin_strip", "derivation: sixteen taps of a blocker search miss a thin strip");
   parts = {};
   parts.floor(12, faces);
   parts.sheet({-0.025, 1, -6}, {0, 0, 12}, {0.05, 0, 0}, faces);
   strip.scene.mesh = std::move(parts.mesh);
-  strip.known.blockers = {{{{0.025, 1, 0}, {0, 0, 1}, {-1, 0, 0}}, {{-0.025, 1, 0}, {0, 0, 1}, {-1, 0, 0}, -1}}, false};
+  strip.known.blockers = {
+      {{{0.025, 1, 0}, {0, 0, 1}, {-1, 0, 0}}, {{-0.025, 1, 0}, {0, 0, 1}, {-1, 0, 0}, -1}}, false};
 }
 
 void add_volumes(std::vector<HardShadow>& all) {
   for (const char* slide : {"0", "1.45"})
     of_scene(all, "eye_inside_volume_" + std::string(slide),
-             "Heidmann 1991; Bilodeau and Songy 1999, Carmack 2000: counts from the eye are off where it is inside",
+             "Heidmann 1991; Bilodeau and Songy 1999, Carmack 2000: counts from the eye are off where it is "
+             "inside",
              "what the eye sees does not depend on what shadow it is in");
-  of_scene(all, "open_casters", "Bergeron 1986: open casters", "a caster shadows as its faces do, closed or not");
+  of_scene(all, "open_casters", "Bergeron 1986: open casters",
+           "a caster shadows as its faces do, closed or not");
   of_scene(all, "non_manifold", "Kim et al. 2008: edges of more faces than two",
            "a caster shadows as its faces do, manifold or not");
 }

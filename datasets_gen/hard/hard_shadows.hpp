@@ -34,8 +34,8 @@ struct ReceiverLine {
 
 /// What is known of a scene, by its name (scenes/scene.hpp), besides its mesh.
 struct KnownShadows {
-  Blockers blockers;      ///< empty: not known
-  bool all_lit = false;   ///< nothing casts a shadow on what the camera sees
+  Blockers blockers;     ///< empty: not known
+  bool all_lit = false;  ///< nothing casts a shadow on what the camera sees
   std::vector<ReceiverLine> lines;
 };
 KnownShadows known_shadows(const std::string& scene);
