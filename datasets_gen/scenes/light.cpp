@@ -37,7 +37,7 @@ class Reader {
   void expect(std::size_t low, std::size_t high) const {
     if (count() < low || count() > high)
       refuse("it has " + std::to_string(count()) + " parts after the kind; a " + std::string(kind()) +
-             " has " + std::to_string(low) + (low == high ? "" : " or " + std::to_string(high)));
+             " has " + std::to_string(low) + (low == high ? std::string() : " or " + std::to_string(high)));
   }
   template <std::size_t N>
   std::array<double, N> numbers(std::size_t part, const char* what) const {
