@@ -1,10 +1,10 @@
-// The part of one triangle that lies in one tile, and how it is drawn. Source: Pineda 1988, A Parallel
-// Algorithm for Polygon Rasterization (edge functions); the fill rule is that of Direct3D and OpenGL: a
-// centre on an edge belongs to the triangle below or to the right of it, so that of two triangles that share
-// an edge exactly one covers it.
+// The part of one triangle that lies in one tile, or in the map if it is small, and how it is drawn. Source:
+// Pineda 1988, A Parallel Algorithm for Polygon Rasterization (edge functions); the fill rule is that of
+// Direct3D and OpenGL: a centre on an edge belongs to the triangle below or to the right of it, so that of
+// two triangles that share an edge exactly one covers it.
 #pragma once
 
-#include "shading/raster/bins.hpp"
+#include "shading/raster/corners.hpp"
 
 namespace treeline::shading::raster {
 
