@@ -165,8 +165,10 @@ ShadowBlock::ShadowBlock(const std::vector<Method>& methods, BlockInput input)
       frames_.back().light = moved(input_.scene, f);
     }
     Set set{What::motion, {}, {}, {}, nullptr};
-    const std::size_t stride = image_.list.size() / (most_moving + 1) + 1;
-    for (std::size_t i = 0; i < image_.list.size(); i += stride) set.receivers.push_back(image_.list[i]);
+    // Where the light's border moves, if that is known.
+    const auto& from = sets_.size() > 1 ? sets_[1].receivers : image_.list;
+    const std::size_t stride = from.size() / (most_moving + 1) + 1;
+    for (std::size_t i = 0; i < from.size(); i += stride) set.receivers.push_back(from[i]);
     add("motion", std::move(set), frames_.size());
   }
 }

@@ -12,8 +12,8 @@
 
 #include "accel/batch.hpp"
 #include "accel/concepts.hpp"
-#include "shading/shadow/depth_map.hpp"
 #include "shading/shadow/light_samples.hpp"
+#include "shading/shadow/method.hpp"
 #include "shading/shadow/surface_offset.hpp"
 
 namespace treeline::shading::shadow {
@@ -50,12 +50,12 @@ class AreaRays {
     visibility(std::span(&receiver, 1), std::span(&r, 1));
     return r;
   }
-  /// `how` is passed on to the tree's any_hit: accel::RayBatch, where it takes one. Throws
-  /// accel::InvalidInput where there is not room for as many answers as receivers.
+  /// `how` is passed on to the tree's any_hit: accel::RayBatch, where it takes one. Throws InvalidScene where
+  /// there is not room for as many answers as receivers, accel::InvalidInput for threads < 1.
   template <class... How>
   void visibility(std::span<const Receiver> receivers, std::span<float> answers, int threads = 1,
                   How... how) const {
-    accel::check_room(receivers.size(), answers.size());
+    detail::check_room(receivers.size(), answers.size());
     const auto each = static_cast<std::size_t>(samples_.count());
     accel::parallel_ranges(receivers.size(), threads, [&](std::size_t begin, std::size_t end) {
       const std::size_t at_once = std::max<std::size_t>(1, rays_at_once / each);
