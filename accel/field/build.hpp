@@ -140,8 +140,9 @@ class FieldBuilder {
         }
   }
   BrickEntry empty_entry(bool inside, double least) const {
+    constexpr double most = std::numeric_limits<float>::max();
     return {inside ? BrickEntry::inside : BrickEntry::outside,
-            static_cast<float>((least - made_.widths_.rounding) * (1 - 0x1p-23)), 0};
+            static_cast<float>(std::min((least - made_.widths_.rounding) * (1 - 0x1p-23), most)), 0};
   }
   bool ask_inside(const Vec3d& p) {
     ++inside_queries_;

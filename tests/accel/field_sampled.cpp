@@ -280,10 +280,15 @@ TEST(SampledField, RefusesWhatItCannotHold) {
   expect_refusal(with([](auto& o) { o.band = 0; }), "band is 0");
   expect_refusal(with([](auto& o) { o.threads = 0; }), "threads is 0");
   expect_refusal(with([](auto& o) { o.spacing = 1e-30; }), "no room for more than 2^20");
+  expect_refusal(with([](auto& o) { o.spacing = 1e300; }), "the spacing 1e+300");
+  expect_refusal(with([](auto& o) { o.spacing = 1e39; }), "beyond single precision");
   expect_refusal(with([](auto& o) { o.resolution = 1 << 19; }), "bytes");
   expect_refusal(with([](auto& o) { o.max_bytes = 100000; }), "max_bytes is 100000");
   // Dense: 1024³ samples and more.
   expect_refusal([&] { sample_mesh<DenseSamples>(mesh, tree, options(1024)); }, "bytes");
+  const Mesh3f huge = accel::test::sphere<float>(1, {}, 3e38f);
+  const Tree over_huge(huge);
+  expect_refusal([&] { sample_mesh<BrickSamples>(huge, over_huge, options(16)); }, "coordinate is 3e+38");
   const Mesh3f none;
   const Tree empty(none);
   expect_refusal([&] { sample_mesh<BrickSamples>(none, empty); }, "no triangles");
@@ -310,6 +315,45 @@ TEST(SampledField, NaNIsAnsweredByNaN) {
     p[k] = inf;
     EXPECT_EQ(Tricubic(s).distance(p), inf);
   }
+}
+
+TEST(SampledField, LowerBoundsAreFiniteWhereverThePointIs) {
+  const Mesh3f mesh = accel::test::sphere<float>(2);
+  const auto s = sample_mesh<BrickSamples>(mesh, Tree(mesh), options(16));
+  const Trilinear field(s);
+  for (const double far : {1e100, 1e154, 1e155, 1e200, 1e308}) {
+    const double found = field.distance({far, 0, 0});
+    EXPECT_LE(found, far);
+    EXPECT_GE(found, far * (1 - 1e-14));
+  }
+  EXPECT_LT(field.distance({1e308, -1.7e308, 1.7e308}), std::numeric_limits<double>::infinity());
+  EXPECT_GT(field.distance({1e308, -1.7e308, 1.7e308}), 1.7e308);
+}
+
+// Of two fields that are off by something, too: where neither is known, the distance less the error is a
+// bound.
+TEST(SampledField, WhatIsMadeOfSampledFieldsKeepsItsBounds) {
+  const Mesh3f mesh = turned_box({1, 0.6, 0.4});
+  const auto s = sample_mesh<BrickSamples>(mesh, Tree(mesh), options(17));
+  const Trilinear field(s);
+  const Sphere ball{{0.8, 0, 0}, 0.5};
+  const Union both{field, ball};
+  const Difference without{field, ball};
+  Pcg32 random(12);
+  int unknown_with_error = 0;
+  for (int n = 0; n < 40000; ++n) {
+    const Vec3d p = in_box(random, {{-2, -2, -2}, {2, 2, 2}});
+    const double a = true_distance(mesh, p), b = ball.distance(p);
+    const FieldSample u = both.sample(p), d = without.sample(p);
+    if (u.known)
+      ASSERT_LE(std::abs(u.distance - std::min(a, b)), u.error);
+    else if (std::abs(u.distance) > u.error)
+      ASSERT_EQ(u.distance < 0, std::min(a, b) < 0);
+    ASSERT_LE(u.clearance(), std::abs(std::min(a, b)));
+    ASSERT_LE(d.clearance(), std::abs(std::max(a, -b)));
+    unknown_with_error += !u.known && u.error > 0;
+  }
+  EXPECT_GT(unknown_with_error, 1000);
 }
 
 TEST(SampledField, AnInsidePolicyOfOnesOwn) {
