@@ -36,6 +36,10 @@ struct FieldReport {
   /// Every edge has as many faces that run one way as the other, by the positions of its ends, and every face
   /// is finite: without that, there is no inside, and neither signs nor bounds are certain.
   bool closed = true;
+  /// Closed, but of negative volume: its faces look inward, as a whole. What such a mesh goes around -1 times
+  /// is not inside, so that by the default policy all distances are positive: turn the faces, or give a
+  /// policy of your own. Of several parts, those that look outward have an inside all the same.
+  bool inside_out = false;
   /// Pairs of neighbouring samples of two bricks between which there is no surface, but which were put on
   /// different sides; within a brick what hangs together is given one side, so that there are none. By the
   /// default policy 0 for every closed mesh, whatever touches or crosses. 0 alone is no proof: a policy may

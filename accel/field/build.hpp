@@ -46,6 +46,7 @@ class FieldBuilder {
       made_.report_.closed = sign_.closed();
     else
       made_.report_.closed = is_closed_cycle(mesh_);
+    made_.report_.inside_out = made_.report_.closed && is_inside_out(mesh_);
     made_.table_.resize(made_.lattice_.brick_count());
     refuse(S::bytes_for(made_.lattice_, 0));
     tasks_.run([&] {

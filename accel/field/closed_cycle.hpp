@@ -1,4 +1,5 @@
-// Whether a mesh is closed and oriented: the boundary of its faces, as a chain, is nothing.
+// Whether a mesh is closed and oriented: the boundary of its faces, as a chain, is nothing; and whether its
+// faces look inward as a whole.
 //
 // Known weakness: closedness is a fingerprint, which one open mesh in 2^64 shares.
 #pragma once
@@ -12,6 +13,7 @@
 #include "accel/concepts.hpp"
 #include "geometry/mesh.hpp"
 #include "geometry/random.hpp"
+#include "geometry/tolerances.hpp"
 
 namespace treeline::accel::field {
 
@@ -44,6 +46,21 @@ inline bool is_closed_cycle(const geometry::Mesh3f& mesh) {
       if (b < a) sum -= geometry::mix_bits(b ^ geometry::mix_bits(a));
     }
   return sum == 0;
+}
+
+/// Of a closed mesh: whether its volume, counted positive where faces look outward, is negative beyond the
+/// rounding of its sum in double.
+inline bool is_inside_out(const geometry::Mesh3f& mesh) {
+  if (mesh.faces.empty()) return false;
+  const geometry::Vec3d from(mesh.vertices[mesh.faces[0][0]]);
+  double volume = 0, size = 0;  // six times
+  for (std::size_t i = 0; i < mesh.size(); ++i) {
+    const geometry::Triangle3d t(mesh.triangle(i));
+    const geometry::Vec3d a = t.a - from, b = t.b - from, c = t.c - from;
+    volume += dot(a, cross(b, c)), size += length(a) * length(b) * length(c);
+  }
+  // Each term is off by some roundings of its size, the sum by one more for each term.
+  return volume < -(double(mesh.size()) + 16) * geometry::tolerance::unit_roundoff<double> * size;
 }
 
 }  // namespace treeline::accel::field

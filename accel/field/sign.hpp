@@ -3,8 +3,9 @@
 //
 // How often a closed, oriented mesh goes around a point does not change where no face is passed; with
 // "inside" where that is more than 0 times, distances are 1-Lipschitz with their sign, whatever touches,
-// coincides or crosses. A mesh that is open has no inside everywhere, and policies differ: facing goes by the
-// nearest faces and repairs small holes, a winding number averages.
+// coincides or crosses. A mesh that is inside out goes around what it bounds -1 times, so that nothing is
+// inside: FieldReport::inside_out tells. A mesh that is open has no inside everywhere, and policies differ:
+// facing goes by the nearest faces and repairs small holes, a winding number averages.
 #pragma once
 
 #include <memory>
@@ -12,7 +13,7 @@
 #include <type_traits>
 
 #include "accel/field/closed_cycle.hpp"
-#include "accel/signed_distance/first_hit.hpp"
+#include "accel/signed_distance/signed_distance.hpp"
 #include "accel/triangle_queries.hpp"
 #include "accel/volume.hpp"
 #include "geometry/exact/orientation.hpp"
@@ -80,7 +81,7 @@ class Facing {
 /// By how often the mesh goes around a point: the crossings of one ray, counted with their signs, each
 /// decided exactly (bvh/wide_crossing.hpp). A ray that meets an edge or a corner says nothing, and another
 /// direction is tried. Points on the mesh are inside. For closed, oriented meshes: faces may touch, coincide
-/// and cross, and what is enclosed more than 0 times is inside.
+/// and cross, and what is enclosed more than 0 times is inside; of a mesh inside out, nothing.
 template <class Tree>
 class CrossingSum {
   using Exact = std::conditional_t<ExactCrossings<Tree>, Tree, Bvh<Triangles<float>, Wide>>;
@@ -141,6 +142,26 @@ class MeshSign {
  private:
   Facing<Tree> facing_;
   std::optional<CrossingSum<Tree>> sum_;
+};
+
+/// By a rule of accel/signed_distance.hpp over the tree: FirstHit, RayParity, Pseudonormal or Winding, as in
+/// SignBy<Winding, Tree>. What the rule does not stand, the field does not either; of shells that face the
+/// same way FirstHit calls what is between them outside and RayParity every second layer, where the default
+/// has all of it inside. On a mesh with holes Winding is the rule, and the report says that it is open.
+template <class Rule, class Tree>
+class SignBy {
+  static_assert(SignOf<Rule, Tree>);
+
+ public:
+  /// The tree must outlive the policy. Throws as the rule does.
+  SignBy(const geometry::Mesh3f& mesh, const Tree& tree, const typename Rule::Options& options = {},
+         int threads = 1)
+      : tree_(tree), rule_(mesh, tree, options, threads) {}
+  bool inside(const Vec3f& p) const { return rule_.inside(tree_, p); }
+
+ private:
+  const Tree& tree_;
+  typename Rule::template Rule<Tree> rule_;
 };
 
 /// Whatever answers inside(Vec3f) or is callable so, asked for every patch of samples: no short cuts.

@@ -345,10 +345,11 @@ TEST(SampledField, WhatIsMadeOfSampledFieldsKeepsItsBounds) {
     const Vec3d p = in_box(random, {{-2, -2, -2}, {2, 2, 2}});
     const double a = true_distance(mesh, p), b = ball.distance(p);
     const FieldSample u = both.sample(p), d = without.sample(p);
-    if (u.known)
+    if (u.known) {
       ASSERT_LE(std::abs(u.distance - std::min(a, b)), u.error);
-    else if (std::abs(u.distance) > u.error)
+    } else if (std::abs(u.distance) > u.error) {
       ASSERT_EQ(u.distance < 0, std::min(a, b) < 0);
+    }
     ASSERT_LE(u.clearance(), std::abs(std::min(a, b)));
     ASSERT_LE(d.clearance(), std::abs(std::max(a, -b)));
     unknown_with_error += !u.known && u.error > 0;

@@ -1,6 +1,7 @@
 // Signs of sampled fields where faces coincide, cross or are missing, and whether the report tells.
 #include "accel/bvh/wide_triangles.hpp"
 #include "accel/kd_tree/triangles.hpp"
+#include "accel/signed_distance.hpp"
 #include "tests/accel/field_common.hpp"
 
 namespace treeline::accel::field::test {
@@ -81,6 +82,44 @@ TEST(FieldSigns, WhereShellsCrossNestAndCoincide) {
   }
 }
 
+// Turned inside out a mesh encloses nothing: the same distances, all of them positive.
+TEST(FieldSigns, AMeshInsideOutEnclosesNothing) {
+  for (const Mesh3f& mesh : {boxes({left}), boxes({left, right}), nested(2)}) {
+    Mesh3f turned = mesh;
+    for (auto& face : turned.faces) std::swap(face[1], face[2]);
+    const auto straight = sample_mesh<BrickSamples>(mesh, Tree(mesh), resolution(16));
+    const auto s = sample_mesh<BrickSamples>(turned, Tree(turned), resolution(16));
+    EXPECT_FALSE(straight.report().inside_out);
+    EXPECT_TRUE(s.report().inside_out);
+    EXPECT_TRUE(s.report().certain());
+    const bool hollow = mesh.size() > 100;  // nested: its hollow is enclosed once when all is turned
+    const Lattice& l = s.lattice();
+    for (int k = 0; k < l.samples(2); ++k)
+      for (int j = 0; j < l.samples(1); ++j)
+        for (int i = 0; i < l.samples(0); ++i) {
+          const float value = s.value(i, j, k);
+          ASSERT_EQ(std::abs(value), std::abs(straight.value(i, j, k)));
+          if (!hollow && std::abs(double(value)) > s.widths().rounding) {
+            ASSERT_GT(value, 0);
+          }
+        }
+    if (!hollow) expect_right<Tree>(turned, 12, "inside out");
+  }
+}
+
+// A part that looks inward takes away from those around it, alone it has no inside.
+TEST(FieldSigns, PartsThatLookInwardAreHollowsOrNothing) {
+  Mesh3f mesh = boxes({left, {{0.25f, 0.25f, 0.25f}, {0.75f, 0.75f, 0.75f}}, {{3, 0, 0}, {3.5f, 1, 1}}});
+  for (std::size_t f = 12; f < 36; ++f) std::swap(mesh.faces[f][1], mesh.faces[f][2]);
+  const auto s = sample_mesh<BrickSamples>(mesh, Tree(mesh), resolution(48));
+  EXPECT_FALSE(s.report().inside_out);  // 1 - 1/8 - 1/2 is positive
+  const Trilinear field(s);
+  EXPECT_LT(field.distance({0.1, 0.5, 0.5}), 0);
+  EXPECT_GT(field.distance({0.5, 0.5, 0.5}), 0);
+  EXPECT_GT(field.distance({3.25, 0.5, 0.5}), 0);
+  expect_right<Tree>(mesh, 20, "parts that look inward");
+}
+
 // Two unit boxes: a ray along x meets the first of them 1 from its start, from either end.
 TEST(FieldSigns, RaysMeetTheNearerOfTwoBoxesThatTouch) {
   for (const auto& mesh : {boxes({left, right}), boxes({right, left})})
@@ -131,6 +170,61 @@ TEST(FieldSigns, ConflictsOfEmptyBricksAreCounted) {
   ASSERT_GT(Trilinear(s).distance({-7, 0.5, 0.5}), 0);
   EXPECT_GT(s.report().sign_conflicts, 0u);
   EXPECT_FALSE(s.report().certain());
+}
+
+/// The share of the samples that are farther than half a cell from the surface and not on the side that the
+/// whole mesh says.
+double wrong_share(const BrickSamples& s, const Mesh3f& whole) {
+  const Lattice& l = s.lattice();
+  std::size_t wrong = 0, all = 0;
+  for (int k = 0; k < l.samples(2); ++k)
+    for (int j = 0; j < l.samples(1); ++j)
+      for (int i = 0; i < l.samples(0); ++i) {
+        const float value = s.value(i, j, k);
+        if (std::abs(double(value)) < 0.5 * l.spacing) continue;
+        ++all, wrong += (value < 0) != (winding(whole, l.position(i, j, k)) > 0.5);
+      }
+  return double(wrong) / double(all);
+}
+
+using WideTree = Bvh<Triangles<float>, Wide>;
+template <class Rule>
+BrickSamples by(const Mesh3f& mesh, int cells) {
+  const WideTree tree(mesh);
+  return sample_mesh<BrickSamples>(mesh, tree, SignBy<Rule, WideTree>(mesh, tree), resolution(cells));
+}
+
+TEST(FieldSigns, AnyRuleForTheSignWillDoWhereTheMeshIsWhole) {
+  const Mesh3f mesh = nested(2);
+  for (const auto& s : {by<FirstHit>(mesh, 24), by<RayParity>(mesh, 24), by<Pseudonormal>(mesh, 24),
+                        by<Winding>(mesh, 24), sample_mesh<BrickSamples>(mesh, Tree(mesh), resolution(24))}) {
+    EXPECT_TRUE(s.report().certain());
+    EXPECT_EQ(wrong_share(s, mesh), 0);
+  }
+}
+
+TEST(FieldSigns, OfAMeshWithAHoleTheWindingNumberMakesTheMost) {
+  const Mesh3f whole = accel::test::sphere<float>(3);
+  Mesh3f mesh = whole;
+  std::erase_if(mesh.faces, [&](const auto& f) {
+    return dot(Vec3d(mesh.vertices[f[0]]), normalized(Vec3d{1, 2, 0.5})) > 0.85;
+  });
+  const auto winding = by<Winding>(mesh, 32), parity = by<RayParity>(mesh, 32),
+             first = by<FirstHit>(mesh, 32);
+  for (const auto* s : {&winding, &parity, &first}) EXPECT_FALSE(s->report().certain());
+  EXPECT_LT(wrong_share(winding, whole), 0.002);
+  EXPECT_LT(wrong_share(winding, whole), 0.5 * wrong_share(parity, whole));
+  EXPECT_LT(wrong_share(winding, whole), 0.5 * wrong_share(first, whole));
+}
+
+// Between two shells that face the same way the mesh goes around a point once, within the inner one twice.
+TEST(FieldSigns, RulesDifferWhereShellsFaceTheSameWay) {
+  const Mesh3f mesh = boxes({{{-1, -1, -1}, {1, 1, 1}}, {{-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}}});
+  EXPECT_EQ(wrong_share(by<Winding>(mesh, 24), mesh), 0);
+  EXPECT_EQ(wrong_share(sample_mesh<BrickSamples>(mesh, Tree(mesh), resolution(24)), mesh), 0);
+  const auto parity = by<RayParity>(mesh, 24);
+  EXPECT_GT(Trilinear(parity).distance({}), 0);
+  EXPECT_EQ(parity.report().sign_conflicts, 0u);
 }
 
 TEST(FieldSigns, RefusesFacesThatAreNotThereAndTreesOverOthers) {
