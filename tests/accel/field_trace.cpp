@@ -119,7 +119,8 @@ TEST(SphereTrace, DirectionsOfAnyLength) {
   ASSERT_EQ(sampled.status, TraceStatus::hit);
   for (const int exponent : {-1000, -565, -3, 1, 565, 1000}) {
     Rayd other = ray;
-    other.direction *= std::scalbn(1.0, exponent), other.t_max = std::scalbn(ray.t_max, -exponent);
+    other.direction = ray.direction * std::scalbn(1.0, exponent),
+    other.t_max = std::scalbn(ray.t_max, -exponent);
     const auto expect_same = [&](const Trace& a, const Trace& b) {
       EXPECT_EQ(a.status, b.status) << exponent;
       EXPECT_EQ(a.t, std::scalbn(b.t, exponent)) << exponent;
