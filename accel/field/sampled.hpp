@@ -2,9 +2,9 @@
 //
 // Tricubic: Catmull and Rom's spline along each axis, through the samples; its error falls with the third
 // power of the spacing where the distance is smooth, the trilinear one's with the second. At the edges and
-// the medial axis of a shape, where distances have a kink, both are off by up to a third of a cell. Between
-// known samples an error has a bound (bound.hpp); elsewhere the answer is a lower bound on the distance,
-// which jumps from brick to brick. Cost: 8 or 64 samples, of up to 8 bricks. Memory: a reference.
+// the medial axis of a shape, where distances have a kink, both are off by up to some two fifths of a cell.
+// Between known samples an error has a bound (bound.hpp); elsewhere the answer is a lower bound on the
+// distance, which jumps from brick to brick. Cost: 8 or 64 samples, of up to 8 bricks. Memory: a reference.
 #pragma once
 
 #include "accel/field/bricks.hpp"

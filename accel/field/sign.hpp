@@ -147,7 +147,8 @@ class MeshSign {
 /// By a rule of accel/signed_distance.hpp over the tree: FirstHit, RayParity, Pseudonormal or Winding, as in
 /// SignBy<Winding, Tree>. What the rule does not stand, the field does not either; of shells that face the
 /// same way FirstHit calls what is between them outside and RayParity every second layer, where the default
-/// has all of it inside. On a mesh with holes Winding is the rule, and the report says that it is open.
+/// has all of it inside. On a mesh with holes Winding is the rule; samples of a brick that hang together
+/// through a hole get one side all the same (build.hpp), and the report says that the mesh is open.
 template <class Rule, class Tree>
 class SignBy {
   static_assert(SignOf<Rule, Tree>);

@@ -42,7 +42,8 @@ std::vector<Knobs> builds() {
        for (const auto& [name, sample] : rules)
          if (knobs.at("sign") == name)
            return std::make_unique<Sampled<Samples, accel::field::Trilinear>>(sample(input, tree));
-       throw std::invalid_argument("no rule for the sign is called " + knobs.at("sign").dump());
+       throw std::invalid_argument(
+           std::string("no rule for the sign is called ").append(knobs.at("sign").dump()));
      }});
 
 }  // namespace

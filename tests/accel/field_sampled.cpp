@@ -357,6 +357,60 @@ TEST(SampledField, WhatIsMadeOfSampledFieldsKeepsItsBounds) {
   EXPECT_GT(unknown_with_error, 1000);
 }
 
+// A blend wider than the band takes distances for what they are not where one of them is a lower bound only.
+TEST(SampledField, SmoothUnionsKeepTheirBoundsWhereADistanceIsNotKnown) {
+  const Mesh3f mesh = turned_box({1, 0.6, 0.4});
+  const auto s = sample_mesh<BrickSamples>(mesh, Tree(mesh), options(17));
+  const Trilinear field(s);
+  const Sphere ball{{0.3, 0, 2}, 0.5};
+  const SmoothUnion both{field, ball, 2.0};
+  Pcg32 random(13);
+  int off = 0, certain = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const Vec3d p = in_box(random, {{-2, -2, -2}, {2, 2, 3}});
+    const double a = true_distance(mesh, p), b = ball.distance(p),
+                 near = std::max(2 - std::abs(a - b), 0.0) / 2;
+    const double truth = std::min(a, b) - 0.5 * near * near;
+    const FieldSample f = both.sample(p);
+    ASSERT_EQ(f.distance, both.distance(p));
+    ASSERT_LE(f.clearance(), std::abs(truth) * (1 + 1e-14));
+    if (f.clearance() > 0) {
+      ASSERT_EQ(f.distance < 0, truth < 0);
+    }
+    off += (f.distance < 0) != (truth < 0), certain += f.clearance() > 0;
+  }
+  EXPECT_GT(off, 100);
+  EXPECT_GT(certain, 10000);
+}
+
+/// By how much the gradient changes across the lattice's planes, at most and on the average, in the band.
+template <class Field>
+std::pair<double, double> gradient_jump(const Field& field) {
+  const Lattice& l = field.samples().lattice();
+  Pcg32 random(14);
+  double most = 0, sum = 0;
+  int count = 0;
+  while (count < 5000) {
+    Vec3d p = normalized(in_box(random, {{-1, -1, -1}, {1, 1, 1}})) * random.uniform(0.9, 1.1);
+    const int axis = static_cast<int>(random.below(3));
+    p[axis] = l.origin[axis] + l.spacing * std::round((p[axis] - l.origin[axis]) / l.spacing);
+    Vec3d before = p, after = p;
+    before[axis] -= 1e-9, after[axis] += 1e-9;
+    if (!field.sample(before).known || !field.sample(after).known) continue;
+    const double jump = distance(field.gradient(before), field.gradient(after));
+    most = std::max(most, jump), sum += jump, ++count;
+  }
+  return {most, sum / count};
+}
+
+// Across cells and bricks alike: a tricubic look-up's gradient is continuous, a trilinear one's is not.
+TEST(SampledField, TricubicGradientsAreContinuous) {
+  const Mesh3f mesh = accel::test::sphere<float>(4);
+  const auto s = sample_mesh<BrickSamples>(mesh, Tree(mesh), options(24));
+  EXPECT_LT(gradient_jump(Tricubic(s)).first, 1e-6);  // 2e-9 times second derivatives of some tens
+  EXPECT_GT(gradient_jump(Trilinear(s)).second, 1e-3);
+}
+
 TEST(SampledField, AnInsidePolicyOfOnesOwn) {
   const Mesh3f mesh = nested(2);
   const Tree tree(mesh);

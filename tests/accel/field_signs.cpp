@@ -2,6 +2,7 @@
 #include "accel/bvh/wide_triangles.hpp"
 #include "accel/kd_tree/triangles.hpp"
 #include "accel/signed_distance.hpp"
+#include "geometry/exact/column_grid.hpp"
 #include "tests/accel/field_common.hpp"
 
 namespace treeline::accel::field::test {
@@ -175,6 +176,7 @@ TEST(FieldSigns, ConflictsOfEmptyBricksAreCounted) {
 /// The share of the samples that are farther than half a cell from the surface and not on the side that the
 /// whole mesh says.
 double wrong_share(const BrickSamples& s, const Mesh3f& whole) {
+  const geometry::ColumnGrid columns(whole);
   const Lattice& l = s.lattice();
   std::size_t wrong = 0, all = 0;
   for (int k = 0; k < l.samples(2); ++k)
@@ -182,7 +184,7 @@ double wrong_share(const BrickSamples& s, const Mesh3f& whole) {
       for (int i = 0; i < l.samples(0); ++i) {
         const float value = s.value(i, j, k);
         if (std::abs(double(value)) < 0.5 * l.spacing) continue;
-        ++all, wrong += (value < 0) != (winding(whole, l.position(i, j, k)) > 0.5);
+        ++all, wrong += (value < 0) != (columns(l.position(i, j, k)).winding > 0);
       }
   return double(wrong) / double(all);
 }
@@ -203,18 +205,21 @@ TEST(FieldSigns, AnyRuleForTheSignWillDoWhereTheMeshIsWhole) {
   }
 }
 
+// Where rays of one octant leave, a small cap of the sphere is missing. In the bricks that span the hole what
+// hangs together through it gets one side, so that a brick's worth of samples may be wrong by any rule.
 TEST(FieldSigns, OfAMeshWithAHoleTheWindingNumberMakesTheMost) {
-  const Mesh3f whole = accel::test::sphere<float>(3);
+  const Mesh3f whole = accel::test::sphere<float>(4);
   Mesh3f mesh = whole;
   std::erase_if(mesh.faces, [&](const auto& f) {
-    return dot(Vec3d(mesh.vertices[f[0]]), normalized(Vec3d{1, 2, 0.5})) > 0.85;
+    return dot(Vec3d(mesh.vertices[f[0]]), normalized(Vec3d{0.48, 0.36, 0.8})) > 0.98;
   });
   const auto winding = by<Winding>(mesh, 32), parity = by<RayParity>(mesh, 32),
              first = by<FirstHit>(mesh, 32);
   for (const auto* s : {&winding, &parity, &first}) EXPECT_FALSE(s->report().certain());
-  EXPECT_LT(wrong_share(winding, whole), 0.002);
-  EXPECT_LT(wrong_share(winding, whole), 0.5 * wrong_share(parity, whole));
-  EXPECT_LT(wrong_share(winding, whole), 0.5 * wrong_share(first, whole));
+  const double best = wrong_share(winding, whole);
+  EXPECT_LT(best * double(winding.lattice().sample_count()), brick_size);
+  EXPECT_GT(wrong_share(parity, whole), 2 * best + 0.0005);
+  EXPECT_GT(wrong_share(first, whole), 2 * best + 0.0005);
 }
 
 // Between two shells that face the same way the mesh goes around a point once, within the inner one twice.
