@@ -73,6 +73,7 @@ struct CornerRegisters {
 struct Covered {
   Ints width, height;  ///< of all of the corners' box, in 1/256 texel
   Ints x0, x1, y0, y1;
+  Ints start_x, start_y;  ///< of those of the map; where depth is reckoned from, whatever the box
 
   Covered(const CornerRegisters& c, const TexelBox& box) {
     const auto lowest = [](const Ints* v) { return least(v[0], least(v[1], v[2])); };
@@ -80,8 +81,9 @@ struct Covered {
     const Ints left = lowest(c.snapped_x), right = highest(c.snapped_x), top = lowest(c.snapped_y),
                bottom = highest(c.snapped_y);
     width = right - left, height = bottom - top;
-    x0 = largest((left + 127) >> 8, ints(box.x0)), x1 = least((right - 128) >> 8, ints(box.x1));
-    y0 = largest((top + 127) >> 8, ints(box.y0)), y1 = least((bottom - 128) >> 8, ints(box.y1));
+    start_x = largest((left + 127) >> 8, Ints{}), start_y = largest((top + 127) >> 8, Ints{});
+    x0 = largest(start_x, ints(box.x0)), x1 = least((right - 128) >> 8, ints(box.x1));
+    y0 = largest(start_y, ints(box.y0)), y1 = least((bottom - 128) >> 8, ints(box.y1));
   }
   /// One bit a lane, of those that cover no centre.
   std::uint32_t nothing() const { return negative((x1 - x0) | (y1 - y0)); }

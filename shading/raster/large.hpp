@@ -99,6 +99,7 @@ bool LargeTriangle<Perspective>::patch(const TexelBox& tile, Patch& out) const {
     out.edge[k] = all ? 0 : std::uint32_t(e), out.in_x[k] = all ? 0 : std::uint32_t(-dy_[k]);
     out.in_y[k] = all ? 0 : std::uint32_t(dx_[k]);
   }
+  out.start_x = out.x0, out.start_y = out.y0;
   const double dx = out.x0 + 0.5 - at_x_, dy = out.y0 + 0.5 - at_y_;
   const auto at = [&](const double* plane) {
     return float((plane[0] + times(plane[1], dx)) + times(plane[2], dy));

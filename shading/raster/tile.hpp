@@ -13,13 +13,14 @@ inline constexpr int small_extent = 64 * 256;
 
 /// A register of small triangles, prepared; fields as of Patch.
 struct Small {
-  Ints x0, x1, y0, y1, edge[3], in_x[3], in_y[3];
+  Ints x0, x1, y0, y1, start_x, start_y, edge[3], in_x[3], in_y[3];
   Floats numerator[3], denominator[3], low, high;
   std::uint32_t drawn = 0, large = 0;  ///< one bit a lane
 
   Patch patch(int k) const {
     Patch p;
     p.x0 = x0[k], p.x1 = x1[k], p.y0 = y0[k], p.y1 = y1[k];
+    p.start_x = start_x[k], p.start_y = start_y[k];
     for (int e = 0; e < 3; ++e)
       p.edge[e] = std::uint32_t(edge[e][k]), p.in_x[e] = std::uint32_t(in_x[e][k]),
       p.in_y[e] = std::uint32_t(in_y[e][k]);
@@ -40,6 +41,7 @@ Small prepare(const TexelBox& box, CornerRegisters c, std::uint32_t wanted, Faci
   r.large = negative((small_extent - covered.width) | (small_extent - covered.height)) & seen;
   if (seen == r.large) return r;
   r.x0 = covered.x0, r.x1 = covered.x1, r.y0 = covered.y0, r.y1 = covered.y1;
+  r.start_x = covered.start_x, r.start_y = covered.start_y;
 
   // What follows wraps in large ones, and is not used.
   const Ints *x = c.snapped_x, *y = c.snapped_y;
@@ -67,7 +69,8 @@ Small prepare(const TexelBox& box, CornerRegisters c, std::uint32_t wanted, Faci
   const TwoDoubles ex1 = apart(c.x[1], c.x[0]), ey1 = apart(c.y[1], c.y[0]), ex2 = apart(c.x[2], c.x[0]),
                    ey2 = apart(c.y[2], c.y[0]);
   const TwoDoubles inverse = inverse_or_zero(ex1 * ey2 - ex2 * ey1);
-  const TwoDoubles ax = apart(r.x0 * 65536 + 32768, c.x[0]), ay = apart(r.y0 * 65536 + 32768, c.y[0]);
+  const TwoDoubles ax = apart(r.start_x * 65536 + 32768, c.x[0]),
+                   ay = apart(r.start_y * 65536 + 32768, c.y[0]);
   const Doubles one = fixed_one - Doubles{};
   const TwoDoubles texel(one, one);
   const auto plane = [&](const Ints* values, Floats* out) {
@@ -104,14 +107,14 @@ void draw_tiny(const Target& to, const Small& s, std::uint32_t chosen) {
   Ints edge[3] = {s.edge[0], s.edge[1], s.edge[2]};
   for (int j = 0; j <= high; ++j) {
     Ints e[3] = {edge[0], edge[1], edge[2]};
-    const Floats dy = floats(float(j));
+    const Floats dy = __builtin_convertvector(s.y0 - s.start_y + j, Floats);
     const Floats numerator = s.numerator[0] + times(s.numerator[2], dy);
     const Floats denominator = Perspective ? s.denominator[0] + times(s.denominator[2], dy) : dy;
     for (int i = 0; i <= wide; ++i) {
       const std::uint32_t covered = ~negative(e[0] | e[1] | e[2] | (width - i) | (height - j)) & chosen;
       for (int k = 0; k < 3; ++k) e[k] = (Ints)((Words)e[k] + (Words)s.in_x[k]);
       if (covered == 0) continue;
-      const Floats dx = floats(float(i));
+      const Floats dx = __builtin_convertvector(s.x0 - s.start_x + i, Floats);
       Floats depth = numerator + times(s.numerator[1], dx);
       if constexpr (Perspective) depth /= denominator + times(s.denominator[1], dx);
       depth = least(largest(depth, s.low), s.high);
