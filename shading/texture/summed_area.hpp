@@ -1,0 +1,90 @@
+// Summed-area tables: the mean over any box along the axes from sixteen entries (Crow 1984).
+//
+// The sum over whole texels between two columns and two rows is the sum of four entries. A box with
+// fractional borders is nine such blocks, its corners, borders and middle, each with a weight: the same sixteen
+// entries that bilinear corners read, and exact, as the texture is constant on each texel. What is not exact
+// is the entries: sums grow with the table while blocks stay small, so that a float table loses about
+// 0.4 ulp(mean * texels) / (texels of the block) in its last quarter. What storage does about it: summing.hpp
+// and the files sat_*.hpp. Cost of a mean: sixteen entries a channel, two lines of cache for each of four rows.
+// Known weakness: boxes along the axes alone; other footprints get the box of their variances (fitted_box).
+#pragma once
+
+#include "shading/texture/prefix_sums.hpp"
+#include "shading/texture/texel_runs.hpp"
+
+namespace treeline::shading::texture {
+
+namespace summed_area {
+
+/// Whether integers wrap: then blocks of more texels than that are summed in pieces.
+template <class Entry>
+inline constexpr bool wraps = std::is_same_v<Entry, std::uint32_t>;
+inline constexpr std::int64_t unwrapped_texels = 65536;  // of values up to 65535
+
+template <class Entry>
+double difference(const Entry* a, const Entry* b, const Entry* c, const Entry* d, int channel) {
+  if constexpr (std::is_floating_point_v<Entry>)
+    return (double(d[channel]) - double(c[channel])) - (double(b[channel]) - double(a[channel]));
+  else  // integers of either kind: differences of differences wrap back
+    return static_cast<double>(static_cast<Entry>(d[channel] - c[channel] - (b[channel] - a[channel])));
+}
+
+/// The sum over texels [x0, x1) x [y0, y1) of a table that wraps.
+template <class Entry>
+double sum_in_pieces(const TableView<Entry>& table, int x0, int x1, int y0, int y1, int channel) {
+  double sum = 0;
+  constexpr int side = 256;
+  for (int y = y0; y < y1; y += side)
+    for (int x = x0; x < x1; x += side) {
+      const int r = std::min(x1, x + side), b = std::min(y1, y + side);
+      sum += difference(table.at(x, y), table.at(r, y), table.at(x, b), table.at(r, b), channel);
+    }
+  return sum;
+}
+
+/// Means over the box of runs, of what the entries sum.
+template <int channels, class Entry>
+void means(const TableView<Entry>& table, const TexelRuns& across, const TexelRuns& down, double* out) {
+  const Entry* at[4][4];
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i)
+      at[j][i] = table.origin + static_cast<std::ptrdiff_t>(down.edge[static_cast<std::size_t>(j)]) * table.stride +
+                 static_cast<std::ptrdiff_t>(across.edge[static_cast<std::size_t>(i)]) * channels;
+  for (int c = 0; c < channels; ++c) {
+    double sum = 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+      double row = 0;
+      for (std::size_t i = 0; i < 3; ++i)
+        row += across.weight[i] * difference(at[j][i], at[j][i + 1], at[j + 1][i], at[j + 1][i + 1], c);
+      sum += down.weight[j] * row;
+    }
+    out[c] = sum;
+  }
+}
+
+template <int channels, class Entry>
+void means_in_pieces(const TableView<Entry>& table, const TexelRuns& across, const TexelRuns& down, double* out) {
+  for (int c = 0; c < channels; ++c) {
+    out[c] = 0;
+    for (std::size_t j = 0; j < 3; ++j)
+      for (std::size_t i = 0; i < 3; ++i)
+        out[c] += across.weight[i] * down.weight[j] *
+                  sum_in_pieces(table, across.edge[i], across.edge[i + 1], down.edge[j], down.edge[j + 1], c);
+  }
+}
+
+}  // namespace summed_area
+
+/// The mean over a box of what the entries of a table sum, one a channel.
+template <int channels, class Entry>
+void box_means(const TableView<Entry>& table, const Box& box, double* out) {
+  const TexelRuns across = texel_runs(box.x0, box.x1, table.width), down = texel_runs(box.y0, box.y1, table.height);
+  if constexpr (summed_area::wraps<Entry>) {
+    const std::int64_t texels = std::int64_t(across.edge[3] - across.edge[0]) * (down.edge[3] - down.edge[0]);
+    if (texels > summed_area::unwrapped_texels)
+      return summed_area::means_in_pieces<channels>(table, across, down, out);
+  }
+  summed_area::means<channels>(table, across, down, out);
+}
+
+}  // namespace treeline::shading::texture
