@@ -39,7 +39,7 @@ struct Polygon {
 };
 
 /// The part with sign * coordinate <= sign * limit (Sutherland and Hodgman 1974).
-template <double Point::* coordinate>
+template <double Point::*coordinate>
 Polygon cut(const Polygon& from, double limit, double sign) {
   Polygon r;
   for (int i = 0; i < from.size; ++i) {
@@ -84,7 +84,8 @@ template <class F>
 void box(const Footprint& f, F&& add) {
   const Box b = bounding_box(f);
   rows(b.y0, b.y1, [&](double j, double top, double bottom) {
-    rows(b.x0, b.x1, [&](double i, double left, double right) { add(i, j, (right - left) * (bottom - top)); });
+    rows(b.x0, b.x1,
+         [&](double i, double left, double right) { add(i, j, (right - left) * (bottom - top)); });
   });
 }
 
@@ -103,10 +104,12 @@ void rotated(const Footprint& f, F&& add) {
     for (int side = 0; side < 2; ++side) {
       double least = INFINITY, most = -INFINITY;
       for (int i = 0; i < strip.size; ++i)
-        if (strip[i].y == (side == 0 ? top : bottom)) least = std::min(least, strip[i].x), most = std::max(most, strip[i].x);
+        if (strip[i].y == (side == 0 ? top : bottom))
+          least = std::min(least, strip[i].x), most = std::max(most, strip[i].x);
       from = std::max(from, least), to = std::min(to, most);
     }
-    for (int i = 0; i < strip.size; ++i) left = std::min(left, strip[i].x), right = std::max(right, strip[i].x);
+    for (int i = 0; i < strip.size; ++i)
+      left = std::min(left, strip[i].x), right = std::max(right, strip[i].x);
     const bool whole_row = top == j && bottom == j + 1;
     Polygon rest = strip;
     for (double i = std::floor(left); i < right; ++i) {

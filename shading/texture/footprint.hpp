@@ -20,9 +20,9 @@ enum class Shape : std::uint8_t {
 inline constexpr double gaussian_reach = 3;
 
 struct Footprint {
-  double x = 0, y = 0;     ///< centre
-  double ux = 0, uy = 0;   ///< first half axis
-  double vx = 0, vy = 0;   ///< second half axis
+  double x = 0, y = 0;    ///< centre
+  double ux = 0, uy = 0;  ///< first half axis
+  double vx = 0, vy = 0;  ///< second half axis
   Shape shape = Shape::box;
 
   /// Sides along x and y.
@@ -35,7 +35,10 @@ struct Box {
 };
 
 inline Footprint box_footprint(const Box& b) {
-  return {.x = 0.5 * (b.x0 + b.x1), .y = 0.5 * (b.y0 + b.y1), .ux = 0.5 * (b.x1 - b.x0), .vy = 0.5 * (b.y1 - b.y0)};
+  return {.x = 0.5 * (b.x0 + b.x1),
+          .y = 0.5 * (b.y0 + b.y1),
+          .ux = 0.5 * (b.x1 - b.x0),
+          .vy = 0.5 * (b.y1 - b.y0)};
 }
 /// Half sides a and b, the first turned from x towards y by an angle in radians.
 inline Footprint rotated_box(double x, double y, double a, double b, double angle) {

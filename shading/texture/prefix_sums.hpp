@@ -30,7 +30,7 @@ namespace treeline::shading::texture {
 template <class Entry>
 struct TableView {
   const Entry* origin = nullptr;
-  std::ptrdiff_t stride = 0;  ///< entries from one row to the next
+  std::ptrdiff_t stride = 0;                ///< entries from one row to the next
   int width = 0, height = 0, channels = 0;  ///< of the texture
 
   const Entry* at(int x, int y) const {
@@ -38,8 +38,8 @@ struct TableView {
   }
 };
 
-/// The memory of a table: rows end padded, and the entry beside column 0 lies on a cache line. It is kept from
-/// one build to the next if the sides stay.
+/// The memory of a table: rows end padded, and the entry beside column 0 lies on a cache line. It is kept
+/// from one build to the next if the sides stay.
 template <class Entry>
 class Table {
  public:
@@ -52,7 +52,8 @@ class Table {
     count_ = stride * (static_cast<std::size_t>(height) + 1);
     entries_.reset();
     entries_.reset(static_cast<Entry*>(::operator new[](count_ * sizeof(Entry), std::align_val_t(line))));
-    view_ = {entries_.get() + in_line - channels, static_cast<std::ptrdiff_t>(stride), width, height, channels};
+    view_ = {entries_.get() + in_line - channels, static_cast<std::ptrdiff_t>(stride), width, height,
+             channels};
     std::memset(static_cast<void*>(entries_.get()), 0, stride * sizeof(Entry));
     for (int y = 1; y <= height; ++y)
       std::memset(static_cast<void*>(const_cast<Entry*>(view_.at(0, y))), 0,
@@ -81,36 +82,40 @@ struct VectorOf {
 template <class T, int lanes>
 using Vector = typename VectorOf<T, lanes>::type;
 
-/// As many as a register holds.
+/// As many as a register holds, but a pixel at least.
 template <class Entry>
-inline constexpr int lanes = accel::simd::register_bytes / static_cast<int>(sizeof(Entry));
+inline constexpr int lanes = std::max(most_channels,
+                                      accel::simd::register_bytes / static_cast<int>(sizeof(Entry)));
 
 template <class Entry>
 using Register = Vector<Entry, lanes<Entry>>;
 
-/// Lanes moved up by n; zeros come in.
+// By reference: without wide registers, passing them by value would depend on the compiler's version.
+
+/// Adds the lanes moved up by n; zeros come in.
 template <int n, class Entry, int... i>
-Register<Entry> moved_up(Register<Entry> v, std::integer_sequence<int, i...>) {
-  return __builtin_shufflevector(v, Register<Entry>{}, (i < n ? lanes<Entry> + i : i - n)...);
+[[gnu::always_inline]] inline void add_moved_up(Register<Entry>& v, std::integer_sequence<int, i...>) {
+  v += __builtin_shufflevector(v, Register<Entry>{}, (i < n ? lanes<Entry> + i : i - n)...);
 }
 /// Every lane's channel from the last pixel, as the next register needs it.
 template <int channels, class Entry, int... i>
-Register<Entry> last_pixel(Register<Entry> v, std::integer_sequence<int, i...>) {
+[[gnu::always_inline]] inline void last_pixel(const Register<Entry>& v, Register<Entry>& to,
+                                              std::integer_sequence<int, i...>) {
   constexpr int n = lanes<Entry>;
-  return __builtin_shufflevector(v, v, (i % channels + n - channels)...);
+  to = __builtin_shufflevector(v, v, (i % channels + n - channels)...);
 }
+/// Each lane becomes the sum of those of its channel up to it.
 template <int channels, class Entry>
-Register<Entry> scanned(Register<Entry> v) {
+[[gnu::always_inline]] inline void scan(Register<Entry>& v) {
   constexpr std::make_integer_sequence<int, lanes<Entry>> all;
-  if constexpr (channels < lanes<Entry>) v += moved_up<channels, Entry>(v, all);
-  if constexpr (2 * channels < lanes<Entry>) v += moved_up<2 * channels, Entry>(v, all);
-  if constexpr (4 * channels < lanes<Entry>) v += moved_up<4 * channels, Entry>(v, all);
-  if constexpr (8 * channels < lanes<Entry>) v += moved_up<8 * channels, Entry>(v, all);
-  return v;
+  if constexpr (channels < lanes<Entry>) add_moved_up<channels, Entry>(v, all);
+  if constexpr (2 * channels < lanes<Entry>) add_moved_up<2 * channels, Entry>(v, all);
+  if constexpr (4 * channels < lanes<Entry>) add_moved_up<4 * channels, Entry>(v, all);
+  if constexpr (8 * channels < lanes<Entry>) add_moved_up<8 * channels, Entry>(v, all);
 }
 
 template <class Vec>
-void put(Vec v, void* to, bool past_cache) {
+[[gnu::always_inline]] inline void put(const Vec& v, void* to, bool past_cache) {
 #if TREELINE_SIMD == 512
   if constexpr (sizeof(Vec) == 64) {
     if (past_cache) return _mm512_stream_si512(static_cast<__m512i*>(to), (__m512i)v);
@@ -127,8 +132,8 @@ void put(Vec v, void* to, bool past_cache) {
 /// Tables above this many bytes do not stay in the cache anyway.
 inline constexpr std::size_t cached_bytes = std::size_t{4} << 20;
 
-inline constexpr int band = 4;             ///< rows side by side
-inline constexpr int tile_rows = 64;       ///< that a thread takes at once
+inline constexpr int band = 4;              ///< rows side by side
+inline constexpr int tile_rows = 64;        ///< that a thread takes at once
 inline constexpr int tile_bytes = 1 << 12;  ///< of a row of the table
 
 /// One tile of `count` rows from `y` on, entries [begin, end) of each; begin and the tile's width are whole
@@ -142,26 +147,28 @@ void tile_rows_at(const Source& source, int y, std::size_t begin, std::size_t en
   for (int r = 0; r < rows; ++r) carry[r] = left[r];
   const float* from[rows];
   for (int r = 0; r < rows; ++r) from[r] = here.row(y + r);
-  const auto step = [&](std::size_t x, auto&& load) {
+  const auto step = [&](std::size_t x, const float* const* p, std::size_t offset) {
     Register<Entry> sum;
     std::memcpy(&sum, above + x, sizeof sum);
     for (int r = 0; r < rows; ++r) {
-      const Register<Entry> v = scanned<channels, Entry>(load(r)) + carry[r];
-      carry[r] = last_pixel<channels, Entry>(v, std::make_integer_sequence<int, lanes<Entry>>{});
+      Register<Entry> v;
+      here.template load<channels>(p[r] + offset, x, v);
+      scan<channels, Entry>(v);
+      v += carry[r];
+      last_pixel<channels, Entry>(v, carry[r], std::make_integer_sequence<int, lanes<Entry>>{});
       sum += v;
       put(sum, to[r] + x, past_cache);
     }
     std::memcpy(above + x, &sum, sizeof sum);
   };
   std::size_t x = begin;
-  for (; x + n <= end; x += n)
-    step(x, [&](int r) { return here.template load<channels>(from[r] + x, x); });
-  if (x < end)
-    step(x, [&](int r) {
-      float rest[n] = {};
-      std::copy(from[r] + x, from[r] + end, rest);
-      return here.template load<channels>(rest, x);
-    });
+  for (; x + n <= end; x += n) step(x, from, x);
+  if (x < end) {
+    float rest[rows][n] = {};
+    const float* p[rows];
+    for (int r = 0; r < rows; ++r) std::copy(from[r] + x, from[r] + end, rest[r]), p[r] = rest[r];
+    step(x, p, 0);
+  }
   for (int r = 0; r < rows; ++r) left[r] = carry[r];
   here.leave();
 }
@@ -169,7 +176,7 @@ void tile_rows_at(const Source& source, int y, std::size_t begin, std::size_t en
 }  // namespace prefix
 
 /// Fills the table with the sums of what the source makes of the texture's values: source.row(y) points to a
-/// row of floats, source.load<channels>(p, x) makes a register of entries of those at p, the values from
+/// row of floats, source.load<channels>(p, x, to) makes a register of entries of those at p, the values from
 /// number x of their row on; behind the last of them there are zeros. A copy of the source serves a tile's
 /// rows; leave() is called when they are done.
 template <class Source, class Entry>

@@ -58,7 +58,8 @@ inline void check_shape(const Image& image) {
   if (image.width > longest_side || image.height > longest_side)
     throw InvalidTexture("the texture has " + text() + "; a side may have 2^24 at most");
   if (image.values.size() != image.index(0, image.height))
-    throw InvalidTexture("the texture has " + text() + ", but " + std::to_string(image.values.size()) + " values");
+    throw InvalidTexture("the texture has " + text() + ", but " + std::to_string(image.values.size()) +
+                         " values");
 }
 
 /// Throws InvalidTexture naming the first texel that is not finite.
@@ -66,8 +67,8 @@ inline void check_finite(const Image& image) {
   for (std::size_t i = 0; i < image.values.size(); ++i) {
     if (std::isfinite(image.values[i])) continue;
     const auto c = static_cast<std::size_t>(image.channels), w = static_cast<std::size_t>(image.width);
-    throw InvalidTexture("texel (" + std::to_string(i / c % w) + ", " + std::to_string(i / c / w) + "), channel " +
-                         std::to_string(i % c) + " is not finite");
+    throw InvalidTexture("texel (" + std::to_string(i / c % w) + ", " + std::to_string(i / c / w) +
+                         "), channel " + std::to_string(i % c) + " is not finite");
   }
 }
 

@@ -10,7 +10,9 @@ namespace treeline::shading::texture {
 struct Uint32Sums {
   using Entry = std::uint32_t;
 
-  void sum(const Image& image, Table<Entry>& table, int threads) { levels = sum_levels(image, table, threads); }
+  void sum(const Image& image, Table<Entry>& table, int threads) {
+    levels = sum_levels(image, table, threads);
+  }
   double value(double mean, int) const { return levels.value(mean); }
 
   Levels levels;

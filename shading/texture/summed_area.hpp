@@ -1,12 +1,13 @@
 // Summed-area tables: the mean over any box along the axes from sixteen entries (Crow 1984).
 //
 // The sum over whole texels between two columns and two rows is the sum of four entries. A box with
-// fractional borders is nine such blocks, its corners, borders and middle, each with a weight: the same sixteen
-// entries that bilinear corners read, and exact, as the texture is constant on each texel. What is not exact
-// is the entries: sums grow with the table while blocks stay small, so that a float table loses about
-// 0.4 ulp(mean * texels) / (texels of the block) in its last quarter. What storage does about it: summing.hpp
-// and the files sat_*.hpp. Cost of a mean: sixteen entries a channel, two lines of cache for each of four rows.
-// Known weakness: boxes along the axes alone; other footprints get the box of their variances (fitted_box).
+// fractional borders is nine such blocks, its corners, borders and middle, each with a weight: the same
+// sixteen entries that bilinear corners read, and exact, as the texture is constant on each texel. What is
+// not exact is the entries: sums grow with the table while blocks stay small, so that a float table loses
+// about 0.4 ulp(mean * texels) / (texels of the block) in its last quarter. What storage does about it:
+// summing.hpp and the files sat_*.hpp. Cost of a mean: sixteen entries a channel, two lines of cache for each
+// of four rows. Known weakness: boxes along the axes alone; other footprints get the box of their variances
+// (fitted_box).
 #pragma once
 
 #include "shading/texture/prefix_sums.hpp"
@@ -48,7 +49,8 @@ void means(const TableView<Entry>& table, const TexelRuns& across, const TexelRu
   const Entry* at[4][4];
   for (int j = 0; j < 4; ++j)
     for (int i = 0; i < 4; ++i)
-      at[j][i] = table.origin + static_cast<std::ptrdiff_t>(down.edge[static_cast<std::size_t>(j)]) * table.stride +
+      at[j][i] = table.origin +
+                 static_cast<std::ptrdiff_t>(down.edge[static_cast<std::size_t>(j)]) * table.stride +
                  static_cast<std::ptrdiff_t>(across.edge[static_cast<std::size_t>(i)]) * channels;
   for (int c = 0; c < channels; ++c) {
     double sum = 0;
@@ -63,7 +65,8 @@ void means(const TableView<Entry>& table, const TexelRuns& across, const TexelRu
 }
 
 template <int channels, class Entry>
-void means_in_pieces(const TableView<Entry>& table, const TexelRuns& across, const TexelRuns& down, double* out) {
+void means_in_pieces(const TableView<Entry>& table, const TexelRuns& across, const TexelRuns& down,
+                     double* out) {
   for (int c = 0; c < channels; ++c) {
     out[c] = 0;
     for (std::size_t j = 0; j < 3; ++j)
@@ -78,7 +81,8 @@ void means_in_pieces(const TableView<Entry>& table, const TexelRuns& across, con
 /// The mean over a box of what the entries of a table sum, one a channel.
 template <int channels, class Entry>
 void box_means(const TableView<Entry>& table, const Box& box, double* out) {
-  const TexelRuns across = texel_runs(box.x0, box.x1, table.width), down = texel_runs(box.y0, box.y1, table.height);
+  const TexelRuns across = texel_runs(box.x0, box.x1, table.width),
+                  down = texel_runs(box.y0, box.y1, table.height);
   if constexpr (summed_area::wraps<Entry>) {
     const std::int64_t texels = std::int64_t(across.edge[3] - across.edge[0]) * (down.edge[3] - down.edge[0]);
     if (texels > summed_area::unwrapped_texels)

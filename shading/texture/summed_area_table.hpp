@@ -16,7 +16,8 @@ class SummedAreaTable {
   /// Throws InvalidTexture for a texture that has no sums here: see check_shape, and the kind of the sums.
   explicit SummedAreaTable(const Image& image, int threads = 1) { rebuild(image, threads); }
 
-  /// As built anew; keeps the memory where the sides are those of before. If it throws the table is of no use.
+  /// As built anew; keeps the memory where the sides are those of before. If it throws the table is of no
+  /// use.
   void rebuild(const Image& image, int threads = 1) {
     check_shape(image);
     sums_.sum(image, table_, threads);

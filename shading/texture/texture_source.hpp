@@ -21,10 +21,10 @@ struct PlainSource : RowsOf {
   using RowsOf::RowsOf;
 
   template <int channels>
-  prefix::Register<Entry> load(const float* p, std::size_t) const {
+  [[gnu::always_inline]] void load(const float* p, std::size_t, prefix::Register<Entry>& to) const {
     prefix::Vector<float, prefix::lanes<Entry>> v;
     std::memcpy(&v, p, sizeof v);
-    return __builtin_convertvector(v, prefix::Register<Entry>);
+    to = __builtin_convertvector(v, prefix::Register<Entry>);
   }
   void leave() const {}
 };
@@ -34,15 +34,16 @@ struct CentredSource : RowsOf {
   CentredSource(const Image& image, const float (&middle)[most_channels]) : RowsOf(image) {
     for (std::size_t phase = 0; phase < 3; ++phase)
       for (int i = 0; i < prefix::lanes<float>; ++i)
-        offset[phase][i] = middle[(phase + static_cast<std::size_t>(i)) % static_cast<std::size_t>(image.channels)];
+        offset[phase][i] =
+            middle[(phase + static_cast<std::size_t>(i)) % static_cast<std::size_t>(image.channels)];
   }
 
   template <int channels>
-  prefix::Register<float> load(const float* p, std::size_t x) const {
+  [[gnu::always_inline]] void load(const float* p, std::size_t x, prefix::Register<float>& to) const {
     prefix::Register<float> v;
     std::memcpy(&v, p, sizeof v);
     // A register begins with channel 0 unless it holds three of each pixel.
-    return v - (channels == 3 ? offset[x % 3] : offset[0]);
+    to = v - (channels == 3 ? offset[x % 3] : offset[0]);
   }
   void leave() const {}
 
@@ -70,15 +71,16 @@ struct Levels {
 /// Values as levels; tells if there was one outside of the range.
 template <class Entry>
 struct LevelSource : RowsOf {
-  LevelSource(const Image& image, const Levels& l, std::atomic<bool>& out) : RowsOf(image), levels(l), outside(&out) {}
+  LevelSource(const Image& image, const Levels& l, std::atomic<bool>& out)
+      : RowsOf(image), levels(l), outside(&out) {}
 
   template <int channels>
-  prefix::Register<Entry> load(const float* p, std::size_t) {
+  [[gnu::always_inline]] void load(const float* p, std::size_t, prefix::Register<Entry>& to) {
     prefix::Vector<float, prefix::lanes<Entry>> v;
     std::memcpy(&v, p, sizeof v);
     const auto level = __builtin_convertvector((v - levels.low) * levels.per_value + 0.5f, Ints);
     odd |= (level & ~Levels::top) | (Ints)(v != v);
-    return __builtin_convertvector(level, prefix::Register<Entry>);
+    to = __builtin_convertvector(level, prefix::Register<Entry>);
   }
   void leave() const {
     int any = 0;
