@@ -108,6 +108,11 @@ inline constexpr T stored_slack = closest_slack<T>;
 template <class T>
 inline constexpr T clear_hit = std::numeric_limits<T>::digits < 30 ? T(2.5e-4) : T(1e-8);
 
+/// What a depth map's comparison allows for rounding, as a share of the depth range and of a filter's reach
+/// over the receiver's plane: 1 rounding to store either depth, 2 to apply the bias, 4 to follow the plane;
+/// float, whatever the scene's type.
+inline constexpr double shadow_depth_slack = 8 * unit_roundoff<float>;
+
 /// A point this near to a surface, relative to the largest coordinate involved, is on it: what the corners'
 /// own rounding to T leaves open, four times.
 template <class T>
