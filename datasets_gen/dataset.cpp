@@ -23,6 +23,20 @@ void Dataset::keep_precise(geometry::Cloud3d points) {
   }
 }
 
+std::size_t Dataset::size() const {
+  switch (kind) {
+    case Kind::cloud:
+      return cloud.size();
+    case Kind::mesh:
+      return mesh.size();
+    case Kind::vectors:
+      return vectors.size();
+    case Kind::image:
+      return static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  }
+  return 0;
+}
+
 std::uint64_t Dataset::hash() const {
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
   XXH3_64bits_reset(state.get());
@@ -38,6 +52,9 @@ std::uint64_t Dataset::hash() const {
   } else if (kind == Kind::vectors) {
     add(std::vector<std::uint64_t>{vectors.columns});
     add(vectors.scalars);
+  } else if (kind == Kind::image) {
+    add(std::vector<std::int32_t>{image.width, image.height, image.channels});
+    add(image.values);
   } else {
     add(mesh.vertices);
     add(mesh.faces);
