@@ -70,6 +70,7 @@ TEST_P(EveryRecipe, IsFiniteAndNamesOnlyVerticesThatExist) {
   for (const auto& p : d.cloud.points) EXPECT_TRUE(is_finite(p));
   for (const auto& p : d.mesh.vertices) EXPECT_TRUE(is_finite(p));
   EXPECT_TRUE(std::ranges::all_of(d.vectors.scalars, [](float x) { return std::isfinite(x); }));
+  EXPECT_TRUE(std::ranges::all_of(d.image.values, [](float x) { return x >= 0 && x <= 1; }));
   std::vector<bool> used(d.mesh.vertices.size());
   for (const auto& f : d.mesh.faces)
     for (const auto v : f) {
