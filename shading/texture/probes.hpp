@@ -27,48 +27,37 @@ void probe(const MipChain& chain, const Footprint& f, int n, int m, float level,
 }  // namespace mip
 
 /// A grid of parts, as many along both axes.
-class MultiProbe {
+class MultiProbe : public OnMipChain {
  public:
   explicit MultiProbe(const Image& image, int side = 2, double bias = best_bias, int threads = 1)
-      : chain_(image, threads), side_(side), bias_(bias) {
+      : MultiProbe(std::make_shared<const MipChain>(image, threads), side, bias) {}
+  explicit MultiProbe(std::shared_ptr<const MipChain> chain, int side = 2, double bias = best_bias)
+      : OnMipChain(std::move(chain)), side_(side), bias_(bias) {
     if (side < 1 || side > 64)
       throw InvalidTexture("probes along a side are " + std::to_string(side) + "; it must be 1 to 64");
   }
-  void rebuild(const Image& image, int threads = 1) { chain_.rebuild(image, threads); }
-
-  int width() const { return chain_.width(); }
-  int height() const { return chain_.height(); }
-  int channels() const { return chain_.channels(); }
-  std::size_t bytes() const { return chain_.bytes(); }
-
   void mean(const Footprint& f, float* out) const {
     const mip::Widths w(f);
     const float level = mip::level_of(std::max(w.u, w.v) / side_, bias_);
-    with_channels(channels(), [&](auto count) { mip::probe<count>(chain_, f, side_, side_, level, out); });
+    with_channels(channels(), [&](auto count) { mip::probe<count>(chain(), f, side_, side_, level, out); });
   }
 
  private:
-  MipChain chain_;
   int side_;
   double bias_;
 };
 static_assert(RegionAverager<MultiProbe>);
 
 /// Parts along the longer axis, at most so many; each is a square of the shorter side.
-class Anisotropic {
+class Anisotropic : public OnMipChain {
  public:
   explicit Anisotropic(const Image& image, int most = 16, double bias = best_bias, int threads = 1)
-      : chain_(image, threads), most_(most), bias_(bias) {
+      : Anisotropic(std::make_shared<const MipChain>(image, threads), most, bias) {}
+  explicit Anisotropic(std::shared_ptr<const MipChain> chain, int most = 16, double bias = best_bias)
+      : OnMipChain(std::move(chain)), most_(most), bias_(bias) {
     if (most < 1 || most > 256)
       throw InvalidTexture("probes are at most " + std::to_string(most) + "; it must be 1 to 256");
   }
-  void rebuild(const Image& image, int threads = 1) { chain_.rebuild(image, threads); }
-
-  int width() const { return chain_.width(); }
-  int height() const { return chain_.height(); }
-  int channels() const { return chain_.channels(); }
-  std::size_t bytes() const { return chain_.bytes(); }
-
   void mean(const Footprint& f, float* out) const {
     const mip::Widths w(f);
     const double longer = std::max(w.u, w.v), shorter = std::min(w.u, w.v);
@@ -76,12 +65,11 @@ class Anisotropic {
     const int n = parts < most_ ? std::max(1, static_cast<int>(parts)) : most_;
     const float level = mip::level_of(std::max(shorter, longer / n), bias_);
     with_channels(channels(), [&](auto count) {
-      mip::probe<count>(chain_, f, w.u >= w.v ? n : 1, w.u >= w.v ? 1 : n, level, out);
+      mip::probe<count>(chain(), f, w.u >= w.v ? n : 1, w.u >= w.v ? 1 : n, level, out);
     });
   }
 
  private:
-  MipChain chain_;
   int most_;
   double bias_;
 };

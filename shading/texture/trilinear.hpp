@@ -5,6 +5,8 @@
 // longer side, as in hardware.
 #pragma once
 
+#include <memory>
+
 #include "shading/texture/mip_chain.hpp"
 
 namespace treeline::shading::texture {
@@ -67,30 +69,39 @@ void add_trilinear(const MipChain& chain, double x, double y, float level, float
 
 }  // namespace mip
 
-class Trilinear {
+/// A pyramid to look up, of its own or shared with other ways to do so.
+class OnMipChain {
+ public:
+  explicit OnMipChain(std::shared_ptr<const MipChain> chain) : chain_(std::move(chain)) {}
+  OnMipChain(const Image& image, int threads) : chain_(std::make_shared<const MipChain>(image, threads)) {}
+
+  int width() const { return chain_->width(); }
+  int height() const { return chain_->height(); }
+  int channels() const { return chain_->channels(); }
+  std::size_t bytes() const { return chain_->bytes(); }
+  const MipChain& chain() const { return *chain_; }
+
+ private:
+  std::shared_ptr<const MipChain> chain_;
+};
+
+class Trilinear : public OnMipChain {
  public:
   explicit Trilinear(const Image& image, double bias = 0, int threads = 1)
-      : chain_(image, threads), bias_(bias) {}
-  void rebuild(const Image& image, int threads = 1) { chain_.rebuild(image, threads); }
-
-  int width() const { return chain_.width(); }
-  int height() const { return chain_.height(); }
-  int channels() const { return chain_.channels(); }
-  std::size_t bytes() const { return chain_.bytes(); }
-  const MipChain& chain() const { return chain_; }
-  void set_bias(double bias) { bias_ = bias; }
+      : OnMipChain(image, threads), bias_(bias) {}
+  explicit Trilinear(std::shared_ptr<const MipChain> chain, double bias = 0)
+      : OnMipChain(std::move(chain)), bias_(bias) {}
 
   void mean(const Footprint& f, float* out) const {
     const mip::Widths w(f);
     const float level = mip::level_of(std::max(w.u, w.v), bias_);
     with_channels(channels(), [&](auto count) {
       std::fill_n(out, +count, 0.0f);
-      mip::add_trilinear<count>(chain_, f.x, f.y, level, 1, out);
+      mip::add_trilinear<count>(chain(), f.x, f.y, level, 1, out);
     });
   }
 
  private:
-  MipChain chain_;
   double bias_;
 };
 static_assert(RegionAverager<Trilinear>);

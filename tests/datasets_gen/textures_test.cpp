@@ -17,7 +17,9 @@ double mean(const Image& image) {
 
 TEST(Textures, AreSquareAndHashedWithTheirSides) {
   Dataset d = generate("noise", 10'000, 1);
-  EXPECT_EQ(d.image.width, 100), EXPECT_EQ(d.image.height, 100), EXPECT_EQ(d.image.channels, 1);
+  EXPECT_EQ(d.image.width, 100);
+  EXPECT_EQ(d.image.height, 100);
+  EXPECT_EQ(d.image.channels, 1);
   Dataset other = d;
   other.image.width = 50, other.image.height = 200;
   EXPECT_NE(d.hash(), other.hash());
@@ -59,7 +61,8 @@ TEST(Textures, RampIsAPlane) {
 
 TEST(Textures, MaskIsBlackAndWhiteInPiecesLargerThanAPixel) {
   const Image image = generate("mask", 1 << 18, 1).image;
-  EXPECT_GT(mean(image), 0.1), EXPECT_LT(mean(image), 0.5);
+  EXPECT_GT(mean(image), 0.1);
+  EXPECT_LT(mean(image), 0.5);
   std::size_t edges = 0;
   for (std::size_t i = 1; i < image.values.size(); ++i) {
     ASSERT_TRUE(image.values[i] == 0 || image.values[i] == 1);
@@ -75,7 +78,8 @@ TEST(Textures, CheckersHaveTheirWidths) {
     ASSERT_NE(image(x, 5), image(x - 1, 5));  // the first board's squares: one pixel
   int edges = 0;
   for (int x = 385; x < 512; ++x) edges += image(x, 500) != image(x - 1, 500);  // the last one's: 64
-  EXPECT_GE(edges, 1), EXPECT_LE(edges, 3);
+  EXPECT_GE(edges, 1);
+  EXPECT_LE(edges, 3);
 }
 
 TEST(Textures, StarHasEveryFrequency) {

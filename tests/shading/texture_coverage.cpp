@@ -56,15 +56,18 @@ TEST(TextureCoverage, LargeFootprintsHaveTheirMoments) {
   for (const double turn : {0.0, 0.4, 1.1, 2.5}) {
     const Moments m = moments(rotated_box(0.3, 0.7, 60, 20, turn));
     const double c = std::cos(turn), s = std::sin(turn), u = 3600 / 3.0, v = 400 / 3.0;
-    EXPECT_NEAR(m.x, 0, 1e-3), EXPECT_NEAR(m.y, 0, 1e-3);
+    EXPECT_NEAR(m.x, 0, 1e-3);
+    EXPECT_NEAR(m.y, 0, 1e-3);
     EXPECT_NEAR(m.xx, u * c * c + v * s * s, 0.2);
     EXPECT_NEAR(m.yy, u * s * s + v * c * c, 0.2);
     EXPECT_NEAR(m.xy, (u - v) * s * c, 0.2);
   }
   const Moments disc = moments(disc_footprint(0.3, 0.7, 40));
-  EXPECT_NEAR(disc.xx, 400, 0.2), EXPECT_NEAR(disc.xy, 0, 1e-6);
+  EXPECT_NEAR(disc.xx, 400, 0.2);
+  EXPECT_NEAR(disc.xy, 0, 1e-6);
   const Moments bell = moments(gaussian_footprint(0.3, 0.7, 20, 10));
-  EXPECT_NEAR(bell.xx, 0.97333692 * 400, 0.2), EXPECT_NEAR(bell.yy, 0.97333692 * 100, 0.2);
+  EXPECT_NEAR(bell.xx, 0.97333692 * 400, 0.2);
+  EXPECT_NEAR(bell.yy, 0.97333692 * 100, 0.2);
 }
 
 TEST(TextureCoverage, BruteForceAgreesWithSamples) {
@@ -95,7 +98,8 @@ TEST(TextureCoverage, RunsOfTexelsAreTheInterval) {
     const TexelRuns runs = texel_runs(low, high, n);
     double sum = 0, first_moment = 0, expected = 0;
     for (std::size_t r = 0; r < 3; ++r) {
-      ASSERT_LE(0, runs.edge[r]), ASSERT_LE(runs.edge[r + 1], n);
+      ASSERT_LE(0, runs.edge[r]);
+      ASSERT_LE(runs.edge[r + 1], n);
       for (int i = runs.edge[r]; i < runs.edge[r + 1]; ++i)
         sum += runs.weight[r], first_moment += runs.weight[r] * i;
     }

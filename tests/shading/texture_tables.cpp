@@ -217,7 +217,8 @@ TEST(TextureTables, OtherRangesAreRoundedToTheirLevels) {
 
 TEST(TextureTables, RotatedDiscsAndBellsGetTheBoxOfTheirVariances) {
   const Box turned = fitted_box(rotated_box(10, 20, 6, 2, std::numbers::pi / 2));
-  EXPECT_NEAR(turned.x1 - turned.x0, 4, 1e-9), EXPECT_NEAR(turned.y1 - turned.y0, 12, 1e-9);
+  EXPECT_NEAR(turned.x1 - turned.x0, 4, 1e-9);
+  EXPECT_NEAR(turned.y1 - turned.y0, 12, 1e-9);
   const Box oblique = fitted_box(rotated_box(0, 0, 6, 2, std::numbers::pi / 4));
   EXPECT_NEAR(oblique.x1, std::sqrt(0.5 * (36 + 4)), 1e-9);
   EXPECT_NEAR(fitted_box(disc_footprint(0, 0, 4)).x1, std::sqrt(3 * 16 / 4.0), 1e-9);
