@@ -163,6 +163,8 @@ class TextureBlock final : public Block {
     tally.write(e);
     if (judged == 0) return e;
     e.error = std::sqrt(squares / double(judged));
+    e.floor =
+        double(geometry::tolerance::unit_roundoff<float>) * facts_.largest / scale;  // of the answers: floats
     if (last > 0) e.extra["region_average_last_quarter"] = std::sqrt(squares_last / double(last));
     e.extra["region_average_mean"] = facts_.absolute_sum / double(n());
     return e;
