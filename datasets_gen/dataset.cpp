@@ -31,6 +31,8 @@ std::size_t Dataset::size() const {
       return mesh.size();
     case Kind::vectors:
       return vectors.size();
+    case Kind::scene:
+      return scene.mesh.size();
     case Kind::image:
       return static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
   }
@@ -55,6 +57,12 @@ std::uint64_t Dataset::hash() const {
   } else if (kind == Kind::image) {
     add(std::vector<std::int32_t>{image.width, image.height, image.channels});
     add(image.values);
+  } else if (kind == Kind::scene) {
+    add(scene.mesh.vertices), add(scene.mesh.faces);
+    const shading::Camera& c = scene.camera;
+    const shading::Light& l = scene.light;
+    add(std::vector{c.position, c.target, c.up, l.position, l.direction, l.u, l.v});
+    add(std::vector{c.height_angle, double(c.width), double(c.height), double(l.kind), l.angle});
   } else {
     add(mesh.vertices);
     add(mesh.faces);

@@ -79,7 +79,7 @@ class Turn {
       const Tap& t = table()[hash & 63];
       c_ = t.x, s_ = t.y;
     } else {
-      x_ = float(hash & 0xffff) * 0x2p-16f, y_ = float(hash >> 16) * 0x2p-16f;
+      x_ = float(hash & 0xffff) * 0x1p-16f, y_ = float(hash >> 16) * 0x1p-16f;
     }
   }
   Tap operator()(Tap t) const {

@@ -1,10 +1,10 @@
 // Mean and variance of depth over any box of a shadow map, and its least and largest depth: a summed-area
 // table (Crow 1984) of depth and its square, and a pyramid of extremes.
 //
-// Sums are doubles. In float the variance of a plane over 9 x 9 texels of a map of 2048² would be off by 1e5
-// times itself, and negative over half of it, for the differences of large sums; in double it is right to
-// 1e-11. Cost: 16 bytes a texel for the sums, 8/3 for the pyramid; a box takes 16 reads of two sums each, or
-// 4 of the pyramid. Known weakness: boxes along the axes alone; the pyramid's bounds are those of up to four
+// Sums are doubles. In float the variance of a ramp over 9 x 9 texels of a map of 1024² is off by a thousand
+// times itself, and negative at two places of five, as large sums are subtracted (the tests measure it).
+// Cost: 16 bytes a texel for the sums, 8/3 for the pyramid; a box takes 16 reads of two sums each, or 4 of
+// the pyramid. Known weakness: boxes along the axes alone; the pyramid's bounds are those of up to four
 // texels that cover the box, each as large as it.
 #pragma once
 
