@@ -30,6 +30,23 @@ void check_finite(const Input& in, const shading::Image& image) {
               (odd > 1 ? ", the first of " + std::to_string(odd) + " such values" : ""));
 }
 
+/// All pixels, as whole numbers of which `top` are 1. OpenImageIO multiplies by 1 / top, which is off by a
+/// digit.
+template <class Level>
+bool read_levels(OIIO::ImageInput& in, OIIO::TypeDesc type, float top, shading::Image& image) {
+  std::vector<Level> levels(image.values.size());
+  if (!in.read_image(0, 0, 0, image.channels, type, levels.data())) return false;
+  std::ranges::transform(levels, image.values.begin(),
+                         [top](Level v) { return static_cast<float>(v) / top; });
+  return true;
+}
+
+bool read_pixels(OIIO::ImageInput& in, OIIO::TypeDesc held, shading::Image& image) {
+  if (held == OIIO::TypeDesc::UINT8) return read_levels<std::uint8_t>(in, held, 255, image);
+  if (held == OIIO::TypeDesc::UINT16) return read_levels<std::uint16_t>(in, held, 65535, image);
+  return in.read_image(0, 0, 0, image.channels, OIIO::TypeDesc::FLOAT, image.values.data());
+}
+
 /// Whether every value is a whole number of steps, `top` of which make 1.
 bool in_levels(const shading::Image& image, float top) {
   return std::ranges::all_of(
@@ -69,7 +86,7 @@ Dataset read_image(const Input& file) {
   r.name = file.path.filename().string();
   r.kind = Kind::image;
   r.image = shading::Image(spec.width, spec.height, channels);
-  if (!in->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, r.image.values.data()))
+  if (!read_pixels(*in, spec.format, r.image))
     file.fail("", "cannot be read in full: " + told(in->geterror()));
   check_finite(file, r.image);
   if (spec.nchannels > channels)

