@@ -49,15 +49,15 @@ std::vector<BlockSpec> RegionAverageTask::scaling_blocks(Profile profile) const 
 
 std::unique_ptr<Block> RegionAverageTask::open(const BlockSpec& spec, const RunContext& context) const {
   if (!spec.hard) return open(datasets::generate(spec.dataset, spec.n, context.seed), context, spec.scaling);
-  for (datasets::HardTexture& c : datasets::hard_textures()) {
+  for (const datasets::HardTexture& c : datasets::hard_textures()) {
     if (c.name != spec.dataset) continue;
     BlockInput input;
-    input.sets = make_hard_sets(c.image.width, c.image.height, 400, context.seed);
+    Image& image = input.dataset.image = c.make();
+    input.sets = make_hard_sets(image.width, image.height, 400, context.seed);
     input.must_answer = c.expect == datasets::Expect::answers;
     input.moments = c.moments;
     input.dataset.name = c.name, input.dataset.kind = datasets::Kind::image,
     input.dataset.seed = context.seed;
-    input.dataset.image = std::move(c.image);
     input.threads = 1;  // hard cases run in children of a fork: no thread pool here
     return open_block(registered(), std::move(input));
   }

@@ -32,12 +32,14 @@ class SummedAreaTable {
 
   /// Exact but for the entries where the footprint is a box along the axes; else that of fitted_box.
   void mean(const Footprint& footprint, float* out) const { box_mean(fitted_box(footprint), out); }
-  void box_mean(const Box& box, float* out) const {
+  /// In double for those who go on to subtract: variances from means and means of squares.
+  template <std::floating_point Out>
+  void box_mean(const Box& box, Out* out) const {
     with_channels(channels(), [&](auto count) {
       constexpr int channels = count;
       double found[channels];
       box_means<channels>(table_.view(), box, found);
-      for (int c = 0; c < channels; ++c) out[c] = static_cast<float>(sums_.value(found[c], c));
+      for (int c = 0; c < channels; ++c) out[c] = static_cast<Out>(sums_.value(found[c], c));
     });
   }
 

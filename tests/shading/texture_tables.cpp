@@ -199,6 +199,36 @@ TEST(TextureTables, FloatsLoseWhatTheLawSays) {
   }
 }
 
+/// The largest error of the variance of a plane over 9 x 9 texels in the last quarter, which is (a² + b²) 80
+/// / 12.
+template <class Sat>
+double variance_error(int n) {
+  const double a = 1.0 / 8192, b = 1.0 / 16384;
+  Image moments(n, n, 2);
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) {
+      const float z = static_cast<float>(a * x + b * y + 0.25);  // a float as it is
+      moments(x, y, 0) = z, moments(x, y, 1) = static_cast<float>(double(z) * double(z));
+    }
+  const Sat table(moments);
+  const double variance = (a * a + b * b) * 80 / 12;
+  double worst = 0;
+  for (int y = n / 2; y + 9 < n; y += 13)
+    for (int x = n / 2; x + 9 < n; x += 13) {
+      double m[2];
+      table.box_mean(Box{double(x), double(y), x + 9.0, y + 9.0}, m);
+      worst = std::max(worst, std::abs(m[1] - m[0] * m[0] - variance));
+    }
+  return worst;
+}
+
+TEST(TextureTables, VariancesNeedDouble) {
+  EXPECT_LT(variance_error<SatDouble>(1024), 5e-8);  // what float makes of the squares themselves
+  EXPECT_GT(variance_error<SatFloat>(1024), 5e-5);
+  EXPECT_GT(variance_error<SatFloat>(1024), 100 * variance_error<SatDouble>(1024));
+  EXPECT_LT(variance_error<SatCentred>(1024), 0.5 * variance_error<SatFloat>(1024));
+}
+
 TEST(TextureTables, OtherRangesAreRoundedToTheirLevels) {
   Image image = random_levels(60, 60, 2, 3);
   for (float& v : image.values) v = 1000 * v * v - 300;
