@@ -22,13 +22,17 @@ class AveragerSubject final : public Subject {
  public:
   AveragerSubject(const Method& method, const Input& input, const Knobs& knobs,
                   const std::vector<FootprintSet>& sets, bool must_answer)
-      : image_(input.image), sets_(sets) {
+      : image_(input.image), sets_(sets), first_look_up_(method.info.query_knobs.front()) {
     keep_refusal(must_answer, refusal_, [&] { averager_ = method.build(input, knobs); });
   }
 
   void run(std::size_t set, const Knobs& knobs, int threads) override {
     if (!averager_) return;
-    if (sets_[set].rebuilds()) return averager_->rebuild(image_, threads);
+    if (sets_[set].rebuilds()) {
+      if (knobs != first_look_up_)
+        throw Unsupported("the build is the same for all look-ups: it is timed with the first");
+      return averager_->rebuild(image_, threads);
+    }
     ask(sets_[set].footprints, knobs, threads, means);
   }
   void ask(std::span<const Footprint> footprints, const Knobs& knobs, int threads,
@@ -44,6 +48,7 @@ class AveragerSubject final : public Subject {
  private:
   const Image& image_;
   const std::vector<FootprintSet>& sets_;
+  const Knobs first_look_up_;
   std::unique_ptr<Averager> averager_;
   std::string refusal_;
 };

@@ -3,8 +3,8 @@
 // Query sets, each in random order and, called …_sorted, in that of a picture; sizes in texels:
 //   texel, aligned16: squares of whole texels, with corners at multiples of their side; square4, square24:
 //   anywhere; oblong: 64 x 4 and 4 x 64; rotated: 32 x 8 at any angle; disc: of radius 12; gaussian: of
-//   deviation 6, cut off at three. build: the structure is made anew from the texture, in its own memory; a
-//   query is a texel.
+//   deviation 6, cut off at three (the last three in order in the full profile alone). build: the structure
+//   is made anew from the texture, in its own memory; a query is a texel.
 // error: the root of the mean square of answer - truth, over the range of the texture's values (the largest
 // absolute one, where they are all alike); max, p99, mean and signed bias alike. Truth: truth.hpp. Beyond its
 // borders a texture goes on as its outermost texels.

@@ -59,8 +59,8 @@ void add_trilinear(const MipChain& chain, double x, double y, float level, float
   const float share = level - static_cast<float>(l);
   const auto add = [&](int at, float w) {
     const MipChain::Level& here = chain.level(at);
-    add_bilinear<channels>(chain, here, static_cast<float>(x * here.width / chain.width()),
-                           static_cast<float>(y * here.height / chain.height()), w, out);
+    add_bilinear<channels>(chain, here, static_cast<float>(x * here.scale_x),
+                           static_cast<float>(y * here.scale_y), w, out);
   };
   add(l, weight * (1 - share));
   if (share > 0) add(l + 1, weight * share);
