@@ -44,24 +44,70 @@ double sum_in_pieces(const TableView<Entry>& table, int x0, int x1, int y0, int 
   return sum;
 }
 
-/// Means over the box of runs, of what the entries sum.
+template <class T>
+struct Four {
+  typedef T type __attribute__((vector_size(4 * sizeof(T))));
+};
+using Doubles = Four<double>::type;
+/// What blocks are found in: integers as they are, so that they wrap back; floats as double.
+template <class Entry>
+using Exact = std::conditional_t<std::is_same_v<Entry, float>, double, Entry>;
+
+/// Means over the box of runs, of what the entries sum. Four lanes: the four columns of a row, whose
+/// differences are its three blocks; or four channels.
 template <int channels, class Entry>
 void means(const TableView<Entry>& table, const TexelRuns& across, const TexelRuns& down, double* out) {
-  const Entry* at[4][4];
-  for (int j = 0; j < 4; ++j)
-    for (int i = 0; i < 4; ++i)
-      at[j][i] = table.origin +
-                 static_cast<std::ptrdiff_t>(down.edge[static_cast<std::size_t>(j)]) * table.stride +
-                 static_cast<std::ptrdiff_t>(across.edge[static_cast<std::size_t>(i)]) * channels;
-  for (int c = 0; c < channels; ++c) {
-    double sum = 0;
+  using Lanes = typename Four<Exact<Entry>>::type;
+  const Entry* row[4];
+  std::ptrdiff_t column[4];
+  for (std::size_t k = 0; k < 4; ++k) {
+    row[k] = table.origin + static_cast<std::ptrdiff_t>(down.edge[k]) * table.stride;
+    column[k] = static_cast<std::ptrdiff_t>(across.edge[k]) * channels;
+  }
+  if constexpr (channels == 4) {
+    const auto load = [&](Lanes& v, std::size_t j, std::size_t i) {
+      typename Four<Entry>::type packed;
+      std::memcpy(&packed, row[j] + column[i], sizeof packed);
+      v = __builtin_convertvector(packed, Lanes);
+    };
+    Lanes above[4], below;
+    for (std::size_t i = 0; i < 4; ++i) load(above[i], 0, i);
+    Doubles sum{};
     for (std::size_t j = 0; j < 3; ++j) {
-      double row = 0;
-      for (std::size_t i = 0; i < 3; ++i)
-        row += across.weight[i] * difference(at[j][i], at[j][i + 1], at[j + 1][i], at[j + 1][i + 1], c);
-      sum += down.weight[j] * row;
+      Doubles of_row{};
+      Lanes left = above[0];
+      load(below, j + 1, 0);
+      left = below - left, above[0] = below;
+      for (std::size_t i = 0; i < 3; ++i) {
+        load(below, j + 1, i + 1);
+        const Lanes right = below - above[i + 1];
+        above[i + 1] = below;
+        of_row += across.weight[i] * __builtin_convertvector(right - left, Doubles);
+        left = right;
+      }
+      sum += down.weight[j] * of_row;
     }
-    out[c] = sum;
+    for (int c = 0; c < 4; ++c) out[c] = sum[c];
+  } else {
+    const Doubles weights{across.weight[0], across.weight[1], across.weight[2], 0};
+    for (int c = 0; c < channels; ++c) {
+      const auto load = [&](Lanes& v, std::size_t j) {
+        const Entry* at = row[j] + c;
+        v = Lanes{at[column[0]], at[column[1]], at[column[2]], at[column[3]]};
+      };
+      Lanes above, below;
+      load(above, 0);
+      Doubles sum{};
+      for (std::size_t j = 0; j < 3; ++j) {
+        load(below, j + 1);
+        const Lanes strip = below - above;
+        above = below;
+        const Lanes blocks = __builtin_shufflevector(strip, strip, 1, 2, 3, 3) - strip;
+        sum += down.weight[j] * __builtin_convertvector(blocks, Doubles);
+      }
+      sum *= weights;
+      out[c] = sum[0] + sum[1] + sum[2];
+    }
   }
 }
 
