@@ -1,4 +1,4 @@
-// The mean of a region of a texture, by every method; from the least that is kept to the most.
+// The mean of a region of a texture, by every method.
 #pragma once
 
 #include "shading/texture/anisotropic.hpp"
