@@ -27,7 +27,8 @@ inline shading::shadow::SamplePattern pattern_of(const Knobs& knobs) {
   return named.at(knobs.value("pattern", "sobol_owen"));
 }
 
-template <shading::shadow::OcclusionIndex Tree>
+/// `how` is passed on to the tree's any_hit.
+template <shading::shadow::OcclusionIndex Tree, auto... how>
 class AreaRaySubject : public ShadowSubject {
  public:
   /// tree(mesh, threads) makes the tree.
@@ -42,10 +43,7 @@ class AreaRaySubject : public ShadowSubject {
     shading::shadow::AreaRayOptions o;
     o.samples = knobs.value("rays", 16), o.pattern = pattern_of(knobs), o.offset = offset_;
     const shading::shadow::AreaRays rays(*tree_, scene_, o);
-    if constexpr (requires { typename Tree::Options; })  // our own, which takes packets
-      rays.visibility(receivers, out, threads, accel::RayBatch::packets);
-    else
-      rays.visibility(receivers, out, threads);
+    rays.visibility(receivers, out, threads, how...);
   }
 
  private:
