@@ -28,14 +28,16 @@ struct Finding {
 
 struct MeshCheck {
   struct Welded {
-    std::size_t vertices = 0, boundary_edges = 0, non_manifold_edges = 0, misoriented_edges = 0;
+    std::size_t vertices = 0, boundary_edges = 0, non_manifold_edges = 0, misoriented_edges = 0,
+                odd_edges = 0;
     bool closed = false, oriented = false;
   };
 
   std::size_t vertices = 0, faces = 0, edges = 0;
   std::size_t components = 0;         ///< parts whose faces hang together by edges
   std::size_t inward_components = 0;  ///< those of negative volume: hollows, or shells inside out
-  std::size_t boundary_loops = 0;
+  std::size_t odd_edges = 0;       ///< with an odd number of faces: one, or more than two; closed means none
+  std::size_t boundary_loops = 0;  ///< of edges with one face
   bool closed = false, oriented = false;
   double volume =
       0;  ///< signed: positive if the faces look outward; of no meaning unless closed and oriented
@@ -89,7 +91,7 @@ class MeshChecker {
     made_.vertices = mesh_.vertices.size(), made_.faces = mesh_.size(),
     made_.edges = adjacency.edges().size();
     made_.closed = adjacency.closed(), made_.oriented = adjacency.oriented();
-    made_.boundary_loops = adjacency.boundary_loops();
+    made_.odd_edges = adjacency.odd_edges(), made_.boundary_loops = adjacency.boundary_loops();
     check_vertices();
     check_faces();
     check_edges(adjacency);
@@ -286,6 +288,7 @@ class MeshChecker {
                     adjacency.boundary_edges(),
                     adjacency.non_manifold_edges(),
                     adjacency.misoriented_edges(),
+                    adjacency.odd_edges(),
                     adjacency.closed(),
                     adjacency.oriented()};
   }

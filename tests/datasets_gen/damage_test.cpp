@@ -164,6 +164,34 @@ TEST(Diagnosis, IsCleanOnlyWhereNothingIsFound) {
     EXPECT_FALSE(diagnose(damaged_ball(name), 5, 1).clean()) << name;
 }
 
+// What the lines of a diagnosis say follows from one another: open means edges with an odd number of faces,
+// borders mean edges with one. Each damage, with and without others.
+TEST(Diagnosis, DoesNotContradictItself) {
+  for (const char* name : {"hole_2", "missing_1", "flipped_1", "duplicated_1", "degenerate_1", "unwelded",
+                           "inside_out", "nested", "duplicated_5+hole_2", "missing_1+duplicated_10",
+                           "flipped_10+duplicated_10", "duplicated_10+unwelded", "hole_2+degenerate_5"}) {
+    SCOPED_TRACE(name);
+    Dataset d = generate("icosphere+" + std::string(name), 2000, 1);
+    const Diagnosis found = diagnose(d.mesh, 1, 1);
+    const geometry::MeshCheck& m = found.mesh;
+    EXPECT_EQ(m.closed, m.odd_edges == 0);
+    EXPECT_EQ(m.oriented, m.misoriented_edges.count == 0);
+    EXPECT_EQ(m.boundary_loops > 0, m.boundary_edges.count > 0);
+    EXPECT_LE(m.boundary_loops, m.boundary_edges.count);
+    EXPECT_GE(m.odd_edges, m.boundary_edges.count);
+    EXPECT_LE(m.odd_edges, m.boundary_edges.count + m.non_manifold_edges.count);
+    EXPECT_EQ(m.welded.closed, m.welded.odd_edges == 0);
+    EXPECT_EQ(m.welded.oriented, m.welded.misoriented_edges == 0);
+    EXPECT_GE(m.welded.odd_edges, m.welded.boundary_edges);
+    const std::string text = as_text(d, found);
+    EXPECT_EQ(text.find("closed: yes") != std::string::npos,
+              m.closed || (m.duplicate_vertices.count > 0 && m.welded.closed));
+    const auto json = nlohmann::json::parse(as_json(d, found));
+    EXPECT_EQ(json["odd_edges"], m.odd_edges);
+    EXPECT_EQ(json["welded"]["odd_edges"], m.welded.odd_edges);
+  }
+}
+
 TEST(Diagnosis, IsValidJsonWithTheSameCounts) {
   Dataset d = generate("icosphere+duplicated_1", 5000, 1);
   d.name = "a \"name\" with \\ and \n";
