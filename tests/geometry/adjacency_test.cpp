@@ -148,8 +148,9 @@ TEST(Adjacency, SilhouettesAgreeWithOpenMesh) {
           ++unclear;
           continue;
         }
-        const auto [low, high] = std::minmax(std::uint32_t(e.v0().idx()), std::uint32_t(e.v1().idx()));
-        ASSERT_EQ(found.contains({low, high}), (one > 0) != (two > 0)) << low << " " << high;
+        const Ends ends =
+            std::minmax<std::uint32_t>({std::uint32_t(e.v0().idx()), std::uint32_t(e.v1().idx())});
+        ASSERT_EQ(found.contains(ends), (one > 0) != (two > 0)) << ends.first << " " << ends.second;
       }
       if (!ours.closed()) continue;
       // Curves that end nowhere: an even number of edges at every vertex.
