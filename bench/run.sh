@@ -72,28 +72,45 @@ out=$(cd "$out" && pwd)
 status=0
 worst() { [ "$1" -gt "$status" ] && status=$1; }
 started=$(date +%s)
+flags=()
+[ $resume -eq 1 ] && flags=(--resume)
+program() { printf '%s/build/release/bench/bench_%s' "$root" "$1"; }
+
+# What is timed has the machine to itself.
 for task in "${tasks[@]}"; do
-  program=$root/build/release/bench/bench_$task
-  flags=()
-  [ $resume -eq 1 ] && flags=(--resume)
   say "Task $task: measuring ($profile)"
-  "$program" --profile "$profile" --rows "$out/$task.jsonl" ${flags[@]+"${flags[@]}"} >"$out/$task.log"
+  "$(program "$task")" --profile "$profile" --rows "$out/$task.jsonl" ${flags[@]+"${flags[@]}"} >"$out/$task.log"
   code=$?
   [ $code -eq 2 ] && { cat "$out/$task.log" >&2; fail 2 "bench_$task could not run"; }
   [ $code -gt 2 ] && fail 1 "bench_$task was ended (status $code); continue with --resume --out $out"
   worst $code
-  if "$program" --list --profile "$profile" | grep -q '^scaling'; then
+  if "$(program "$task")" --list --profile "$profile" | grep -q '^scaling'; then
     say "Task $task: threads"
-    "$program" --scaling --profile "$profile" --rows "$out/$task.threads.jsonl" ${flags[@]+"${flags[@]}"} \
+    "$(program "$task")" --scaling --profile "$profile" --rows "$out/$task.threads.jsonl" ${flags[@]+"${flags[@]}"} \
       >"$out/$task.threads.log"
     worst $?
   fi
-  say "Task $task: hard cases"
-  "$program" --stress --rows "$out/$task.stress.jsonl" ${flags[@]+"${flags[@]}"} >"$out/$task.stress.log"
-  worst $?
-  say "Task $task: pictures"
-  "$program" --profile "$profile" --pictures "$out/pictures/$task" >"$out/$task.pictures.log" || worst $?
 done
+
+# What is not, hard cases and pictures, shares it: one job a core.
+hard_cases() {
+  "$(program "$1")" --stress --rows "$out/$1.stress.jsonl" ${flags[@]+"${flags[@]}"} >"$out/$1.stress.log"
+}
+draw_pictures() {
+  "$(program "$1")" --profile "$profile" --pictures "$out/pictures/$1" >"$out/$1.pictures.log"
+}
+codes=$(mktemp) || exit 2
+trap 'rm -f "$codes"' EXIT
+trap 'trap "" TERM; kill -TERM 0; exit 130' INT  # jobs in the background do not hear an interrupt
+say "Hard cases and pictures: $(nproc) at a time"
+for job in hard_cases draw_pictures; do
+  for task in "${tasks[@]}"; do
+    while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n; done
+    { "$job" "$task" 2> >(sed -u "s/^/$task, ${job#*_}: /" >&2); echo $? >>"$codes"; } &
+  done
+done
+wait
+while read -r code; do worst "$code"; done <"$codes"
 
 say "Report"
 pictures=()

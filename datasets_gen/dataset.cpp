@@ -38,6 +38,12 @@ std::uint64_t Dataset::hash() const {
   } else if (kind == Kind::vectors) {
     add(std::vector<std::uint64_t>{vectors.columns});
     add(vectors.scalars);
+  } else if (kind == Kind::scene) {
+    add(scene.mesh.vertices), add(scene.mesh.faces);
+    const shading::Camera& c = scene.camera;
+    const shading::Light& l = scene.light;
+    add(std::vector{c.position, c.target, c.up, l.position, l.direction, l.u, l.v});
+    add(std::vector{c.height_angle, double(c.width), double(c.height), double(l.kind), l.angle});
   } else {
     add(mesh.vertices);
     add(mesh.faces);

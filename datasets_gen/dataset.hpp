@@ -11,10 +11,11 @@
 
 #include "geometry/cloud.hpp"
 #include "geometry/mesh.hpp"
+#include "shading/scene.hpp"
 
 namespace treeline::datasets {
 
-enum class Kind { cloud, mesh, vectors };
+enum class Kind { cloud, mesh, vectors, scene };
 
 /// Points of any dimension: row after row.
 struct Vectors {
@@ -35,16 +36,19 @@ struct Dataset {
   double rounding = 0;    // the farthest that float moved a coordinate, in its own unit
   geometry::Mesh3f mesh;  // kind mesh
   Vectors vectors;        // kind vectors
+  shading::Scene scene;   // kind scene; its mesh is here, not in `mesh`
   bool closed = false;    // mesh: closed and consistently oriented, as the recipe promises or adjacency finds
   std::vector<std::string> notes;  // what a user should know, e.g. coordinates that float could not hold
 
   /// Sets `precise`, and from it `cloud` and `rounding`.
   void keep_precise(geometry::Cloud3d points);
-  /// Points of a cloud, faces of a mesh, rows of vectors.
+  /// Points of a cloud, faces of a mesh or scene, rows of vectors.
   std::size_t size() const {
+    if (kind == Kind::scene) return scene.mesh.size();
     return kind == Kind::cloud ? cloud.size() : kind == Kind::mesh ? mesh.size() : vectors.size();
   }
-  /// 64-bit hash of the content alone (coordinates bit by bit, and indices): equal content, equal hash.
+  /// 64-bit hash of the content alone (coordinates bit by bit, and indices; of a scene also what its light
+  /// and camera are): equal content, equal hash.
   std::uint64_t hash() const;
 };
 
@@ -65,6 +69,7 @@ std::span<const Recipe> recipes();
 /// Recipes for single tasks, which charts of everything leave out.
 std::span<const Recipe> special_recipes();
 
+/// Also takes the scenes of scenes/scene.hpp, with their knobs.
 /// Makes n rows, about n points or exactly as near to n faces as the recipe allows (1e3 ≤ n ≤ 1e7); the same
 /// name, n and seed give the same bits on every machine and with any number of threads. Of vectors, the
 /// first rows do not depend on n.

@@ -5,6 +5,7 @@
 
 #include "datasets_gen/meshes/damage.hpp"
 #include "datasets_gen/recipe.hpp"
+#include "datasets_gen/scenes/scene.hpp"
 #include "geometry/adjacency.hpp"
 
 namespace treeline::datasets {
@@ -89,10 +90,21 @@ const Entry& entry_named(std::string_view name) {
       if (e.recipe.name == name) return e;
       known += (known.empty() ? "" : ", ") + e.recipe.name;
     }
+  for (const std::string& scene : scene_names()) known += ", " + scene;
   throw std::invalid_argument("no recipe is called '" + std::string(name) + "'; known: " + known);
 }
 
 constexpr std::size_t least_n = 1'000, largest_n = 10'000'000;
+
+Dataset generate_scene(std::string_view name, std::string_view base, std::size_t n, std::uint64_t seed,
+                       const Progress& progress) {
+  if (name != base)
+    throw std::invalid_argument("'" + std::string(base) + "' is a scene; only meshes can be damaged");
+  Dataset r;
+  r.name = name, r.kind = Kind::scene, r.seed = seed;
+  r.scene = make_scene(name, n, seed, progress);
+  return r;
+}
 
 }  // namespace
 
@@ -117,6 +129,7 @@ std::span<const Recipe> special_recipes() {
 
 Dataset generate(std::string_view name, std::size_t n, std::uint64_t seed, const Progress& progress) {
   const std::string_view base = name.substr(0, name.find('+'));
+  if (is_scene(base)) return generate_scene(name, base, n, seed, progress);
   const Entry* const entry = &entry_named(base);
   std::vector<Damage> damages;
   for (std::string_view rest = name.substr(base.size()); !rest.empty();) {

@@ -9,6 +9,8 @@
 #include "datasets_gen/dataset.hpp"
 #include "datasets_gen/diagnosis.hpp"
 #include "datasets_gen/files/write.hpp"
+#include "datasets_gen/scenes/light.hpp"
+#include "datasets_gen/scenes/scene.hpp"
 
 namespace {
 
@@ -33,6 +35,13 @@ const char* kind_name(Kind kind) {
 void list() {
   for (const auto all : {recipes(), special_recipes()})
     for (const Recipe& r : all) fmt::print("{:<17} {:<7} {}\n", r.name, kind_name(r.kind), r.summary);
+  for (const SceneRecipe& s : scene_recipes()) {
+    std::string knobs;
+    for (const SceneKnob& k : s.knobs) knobs += fmt::format("_{}={}", k.name, k.value);
+    fmt::print("{:<17} {:<7} {}{}\n", s.name, "scene", s.summary,
+               knobs.empty() ? "" : "; " + s.name + knobs + ", numbers alone");
+  }
+  fmt::print("Of scenes the mesh is written, and light and camera are printed.\n");
   fmt::print(
       "Meshes can be damaged: NAME+hole_P, +missing_P, +flipped_P, +duplicated_P, +degenerate_P (P per cent "
       "of the\n"
@@ -61,6 +70,10 @@ void make(const Arguments& a) {
   write(made, a.file, a.force);
   fmt::print("{}: {} {}, hash {:016x}\n", a.file, made.size(),
              made.kind == Kind::cloud ? "points" : "triangles", made.hash());
+  if (made.kind != Kind::scene) return;
+  const treeline::shading::Camera& c = made.scene.camera;
+  fmt::print("light: {}\ncamera: at {},{},{} towards {},{},{}\n", format_light(made.scene.light),
+             c.position[0], c.position[1], c.position[2], c.target[0], c.target[1], c.target[2]);
 }
 
 int check(const Arguments& a) {

@@ -108,9 +108,23 @@ inline constexpr T stored_slack = closest_slack<T>;
 template <class T>
 inline constexpr T clear_hit = std::numeric_limits<T>::digits < 30 ? T(2.5e-4) : T(1e-8);
 
+/// What a depth map's comparison allows for rounding, as a share of the depth range and of a filter's reach
+/// over the receiver's plane: 1 rounding to store either depth, 2 to apply the bias, 4 to follow the plane;
+/// float, whatever the scene's type.
+inline constexpr double shadow_depth_slack = 8 * unit_roundoff<float>;
+
 /// A point this near to a surface, relative to the largest coordinate involved, is on it: what the corners'
 /// own rounding to T leaves open, four times.
 template <class T>
 inline constexpr T on_surface = T(4) * unit_roundoff<T>;
+
+/// How far off its surface a shadow ray starts, relative to the reach of its scene (the camera's place
+/// included). A hit that a ray test reports lies, along each axis, within hit_slack of its triangle: if the
+/// ray starts farther above the triangle's plane than sqrt(3) of those and goes away from it, it cannot report
+/// that triangle. The same once more for the receiver, which a ray from the camera found; 111 u. Rounding
+/// origin and direction takes the rest, where the scene is no farther from its coordinates' origin than it is
+/// large.
+template <class T>
+inline constexpr T shadow_offset = T(128) * unit_roundoff<T>;
 
 }  // namespace treeline::geometry::tolerance

@@ -18,6 +18,7 @@
 
 #include "accel/batch.hpp"
 #include "accel/bvh/binary_cost.hpp"
+#include "accel/bvh/radix_sort.hpp"
 #include "accel/bvh/wide_layout.hpp"
 #include "accel/simd/lanes8.hpp"
 #include "geometry/triangle.hpp"
@@ -67,6 +68,7 @@ class BinnedBuilder {
   using Nodes = std::vector<BinaryNode>;
   static constexpr std::size_t task_size = 1 << 14;  // larger nodes hand their children out as tasks
   static constexpr int most_bins = 32;
+  static constexpr std::size_t most_swept = 32;  // of so few triangles every split is tried
 
   /// Low corner, negated high corner; between them the triangle's number and nothing. The number is biased so
   /// that as a float it lies between 1 and the largest: arithmetic on four lanes takes it along, and were it
@@ -109,6 +111,9 @@ class BinnedBuilder {
   struct Split {
     float cost = wide::infinity;  // half the area times the blocks
     int axis = -1, bin = 0;
+  };
+  struct Ranks {
+    std::uint8_t of[3][most_swept];  // along each axis
   };
   /// Which bin a centre falls into along each axis, by the same arithmetic wherever asked.
   struct Binning {
@@ -250,21 +255,79 @@ class BinnedBuilder {
     if (n == 1 || (n <= largest_leaf && n <= std::size_t{1} << shift_)) return false;
     parts[0].level = parts[1].level = range.level + 1;
     const auto levels_by_rank = static_cast<std::size_t>(std::bit_width(n - 1));
-    if (range.level + levels_by_rank < binary_max_depth) {
+    const bool may_be_uneven = range.level + levels_by_rank < binary_max_depth;
+    if (may_be_uneven && n <= most_swept) {
+      Ranks ranks;
+      const Split best = swept(range, ranks);
+      if (n <= largest_leaf && !pays(best, range)) return false;
+      if (best.axis >= 0) return part(range, ranks, best, parts), true;
+    } else if (may_be_uneven) {
       const int count = static_cast<int>(std::min<std::size_t>(most_bins, 12 + n / 16));
       const Binning binning(range.bounds, count);
       Bins bins(count);
       fill(range, binning, bins);
       const Split best = cheapest(bins, binning);
-      const float area = half_area(range.bounds.box);
-      if (n <= largest_leaf &&
-          !(best.cost + simd::opaque(static_cast<float>(options_.node_cost) * area) < blocks(n) * area))
-        return false;
+      if (n <= largest_leaf && !pays(best, range)) return false;
       if (best.axis >= 0) return partition(range, binning, bins, best, parts), true;
     }
     if (n <= largest_leaf) return false;
     by_rank(range, parts);
     return true;
+  }
+
+  /// Whether a split is cheaper than a leaf.
+  bool pays(const Split& split, const Range& range) const {
+    const float area = half_area(range.bounds.box);
+    return split.cost + simd::opaque(static_cast<float>(options_.node_cost) * area) <
+           blocks(range.size()) * area;
+  }
+
+  /// All splits by rank along each axis: the bin of the split is how many go to the left.
+  Split swept(const Range& range, Ranks& ranks) const {
+    const std::size_t n = range.size();
+    const Prim* const prims = prims_.data() + range.begin;
+    Split best;
+    for (int k = 0; k < 3; ++k) {
+      // Centres that differ in their last bits only are ordered by place.
+      alignas(64) std::int32_t key[most_swept];
+      for (std::size_t i = 0; i < most_swept; ++i) key[i] = std::numeric_limits<std::int32_t>::max();
+      for (std::size_t i = 0; i < n; ++i)
+        key[i] = std::bit_cast<std::int32_t>(
+            ((sortable(prims[i].centre2(k)) ^ 0x80000000u) & ~static_cast<std::uint32_t>(most_swept - 1)) |
+            static_cast<std::uint32_t>(i));
+      std::uint8_t order[most_swept];
+      for (std::size_t i = 0; i < n; ++i) {
+        std::int32_t rank = 0;
+        for (std::size_t j = 0; j < most_swept; ++j) rank += key[j] < key[i];
+        ranks.of[k][i] = static_cast<std::uint8_t>(rank), order[rank] = static_cast<std::uint8_t>(i);
+      }
+      float right[most_swept];
+      F8 box = nothing();
+      for (std::size_t i = n - 1; i > 0; --i) {
+        box = min(prims[order[i]].box(), box);
+        right[i] = half_area(box) * blocks(n - i);
+      }
+      box = nothing();
+      for (std::size_t i = 1; i < n; ++i) {
+        box = min(prims[order[i - 1]].box(), box);
+        const float cost = simd::opaque(half_area(box) * blocks(i)) + right[i];
+        if (cost < best.cost) best = {cost, k, static_cast<int>(i)};
+      }
+    }
+    return best;
+  }
+  void part(const Range& range, const Ranks& ranks, const Split& best, Range (&parts)[2]) {
+    const std::size_t n = range.size(), middle = range.begin + static_cast<std::size_t>(best.bin);
+    Prim copy[most_swept];
+    std::copy_n(prims_.data() + range.begin, n, copy);
+    std::size_t to[2] = {range.begin, middle};
+    for (int side = 0; side < 2; ++side) parts[side].bounds = {};
+    for (std::size_t i = 0; i < n; ++i) {
+      const bool is_right = ranks.of[best.axis][i] >= best.bin;
+      prims_[to[is_right]++] = copy[i];
+      parts[is_right].bounds.grow(copy[i]);
+    }
+    divide(range, middle, parts);
   }
 
   void fill(const Range& range, const Binning& binning, Bins& bins) const {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "bench/core/tally.hpp"
 #include "bench/core/truth_cache.hpp"
 
 namespace treeline::bench::closest_point {
@@ -37,12 +38,6 @@ class ClosestPointSubject final : public Subject {
   const std::vector<PointSet>& sets_;
 };
 
-std::vector<std::size_t> evenly_spread(std::size_t size, std::size_t most) {
-  std::vector<std::size_t> r(std::min(size, most));
-  for (std::size_t i = 0; i < r.size(); ++i) r[i] = i * size / r.size();
-  return r;
-}
-
 std::string describe(std::size_t number, const geometry::Vec3f& q, const TrueClosest& truth,
                      const Answer& answer, Verdict verdict) {
   const auto place = [](accel::Id primitive, double distance) {
@@ -56,14 +51,13 @@ std::string describe(std::size_t number, const geometry::Vec3f& q, const TrueClo
 }
 
 /// Sums over the answers to one query set.
-struct Tally {
-  std::vector<double> errors;
-  double bias = 0, off_triangle = 0, relative = 0, relative_max = 0;
+struct Tally : ErrorTally {
+  double off_triangle = 0, relative = 0, relative_max = 0;
   std::size_t far_off = 0, farther = 0, much_farther = 0;
 
   void add(const Judged& judged) {
-    errors.push_back(judged.error);
-    bias += judged.signed_error, relative += judged.relative;
+    ErrorTally::add(judged.error, judged.signed_error);
+    relative += judged.relative;
     relative_max = std::max(relative_max, judged.relative);
     off_triangle = std::max(off_triangle, judged.off_triangle);
     far_off += judged.error > off, farther += judged.farther, much_farther += judged.much_farther;
@@ -73,14 +67,8 @@ struct Tally {
 }  // namespace
 
 ClosestPointBlock::ClosestPointBlock(BlockInput input, const std::vector<Method>& methods)
-    : input_(std::move(input)), methods_(methods), truths_(input_.sets.size()), judge_(input_.mesh) {
+    : MeshBlock(std::move(input), methods), truths_(input_.sets.size()), judge_(input_.mesh) {
   for (const PointSet& set : input_.sets) query_sets_.push_back({set.name, set.points.size()});
-}
-
-void ClosestPointBlock::warm_up(std::size_t m, int threads) {
-  // On several threads everybody's: a library that is not asked may keep the others from having them.
-  for (const Method& method : methods_)
-    if (method.warm_up && (threads > 1 || &method == &methods_[m])) method.warm_up(threads);
 }
 
 std::unique_ptr<Subject> ClosestPointBlock::build(std::size_t m, const Knobs& build_knobs, int threads) {
@@ -137,12 +125,7 @@ Errors ClosestPointBlock::check(std::size_t m, const Subject& subject, std::size
   extra["closest_point_judged"] = tally.errors.size();
   if (!tally.errors.empty()) {
     const auto n = static_cast<double>(tally.errors.size());
-    std::ranges::sort(tally.errors);
-    result.mean = std::accumulate(tally.errors.begin(), tally.errors.end(), 0.0) / n;
-    result.error = result.mean;
-    result.max = tally.errors.back();
-    result.p99 = tally.errors[static_cast<std::size_t>(0.99 * (n - 1))];
-    result.bias = tally.bias / n;
+    tally.write(result);
     result.floor = judge_.floor();
     extra["closest_point_far_off"] = static_cast<double>(tally.far_off) / n;
     extra["closest_point_relative_mean"] = tally.relative / n;

@@ -9,33 +9,23 @@
 #include "bench/closest_point/judge.hpp"
 #include "bench/closest_point/method.hpp"
 #include "bench/closest_point/queries.hpp"
+#include "bench/core/mesh_block.hpp"
 
 namespace treeline::bench::closest_point {
 
-struct BlockInput {
-  geometry::Mesh3f mesh;
+struct BlockInput : MeshInput {
   std::vector<PointSet> sets;
-  std::uint64_t seed = 0, dataset_hash = 0;
-  bool quick = false;             // time is short
   std::size_t judged = SIZE_MAX;  // at most so many queries a set are judged, evenly spread
-  int threads = 1;                // for the truth; 1 starts no thread pool
-  std::string truth_cache;
-  int version = 0;
 };
 
-class ClosestPointBlock final : public Block {
+class ClosestPointBlock final : public MeshBlock<BlockInput, Method> {
  public:
   ClosestPointBlock(BlockInput input, const std::vector<Method>& methods);
 
-  const std::vector<QuerySet>& query_sets() const override { return query_sets_; }
-  void warm_up(std::size_t m, int threads) override;
   std::unique_ptr<Subject> build(std::size_t m, const Knobs& build_knobs, int threads) override;
   Errors check(std::size_t m, const Subject& subject, std::size_t query_set,
                const Knobs& query_knobs) override;
   std::size_t n() const override { return input_.mesh.size(); }
-  std::uint64_t seed() const override { return input_.seed; }
-  std::uint64_t dataset_hash() const override { return input_.dataset_hash; }
-  bool quick() const override { return input_.quick; }
   /// Finds the truth of all sets now, for many who will need it.
   void find_truth();
 
@@ -46,9 +36,6 @@ class ClosestPointBlock final : public Block {
   };
   const Truth& truth_of(std::size_t query_set);
 
-  BlockInput input_;
-  const std::vector<Method>& methods_;
-  std::vector<QuerySet> query_sets_;
   std::vector<std::optional<Truth>> truths_;
   Judge judge_;
 };

@@ -5,7 +5,6 @@
 
 #include "bench/closest_point/block.hpp"
 #include "bench/closest_point/pictures.hpp"
-#include "bench/core/registry.hpp"
 #include "datasets_gen/hard/hard_case.hpp"
 
 namespace treeline::bench::closest_point {
@@ -41,30 +40,16 @@ std::size_t judged_queries(std::size_t n, Profile profile) {
 /// For thread scaling: queries near the surface and anywhere, in batches against which waking a thread is
 /// nothing.
 void ask_by_threads(std::vector<PointSet>& sets) {
-  std::vector<PointSet> kept;
-  for (PointSet& set : sets)
-    if (set.name == "near" || set.name == "uniform") {
-      set.name += "_threads", set.truth = kept.size();
-      kept.push_back(std::move(set));
-    }
-  sets = std::move(kept);
+  keep_for_threads(sets, {"near", "uniform"}, [](PointSet& set, std::size_t i) { set.truth = i; });
 }
 
 std::unique_ptr<Block> open_hard(const std::string& name, const RunContext& context, int version,
                                  const std::vector<Method>& methods) {
   for (datasets::HardCase& c : datasets::hard_cases()) {
     if (c.name != name || !c.for_closest_points()) continue;
-    Dataset dataset;
-    dataset.kind = datasets::Kind::mesh;
-    dataset.mesh = std::move(c.mesh);
     BlockInput input;
-    input.dataset_hash = dataset.hash();
-    input.mesh = std::move(dataset.mesh);
+    take_hard_mesh(input, std::move(c.mesh), context, version);
     input.sets.push_back({.name = "closest", .points = Queries(std::move(c.probes))});
-    input.seed = context.seed;
-    input.threads = 1;  // hard cases run in children of a fork: no thread pool here
-    input.truth_cache = context.truth_cache;
-    input.version = version;
     auto block = std::make_unique<ClosestPointBlock>(std::move(input), methods);
     block->find_truth();  // once, for all the children
     return block;
@@ -74,14 +59,7 @@ std::unique_ptr<Block> open_hard(const std::string& name, const RunContext& cont
 
 }  // namespace
 
-ClosestPointTask::ClosestPointTask()
-    : methods_(Registry<Method>::instance().in_order_of(TREELINE_TASK_METHODS)) {
-  for (const Method& m : methods_) infos_.push_back(m.info);
-}
-
-std::vector<std::pair<std::string, std::string>> ClosestPointTask::not_built() const {
-  return parse_not_built(TREELINE_TASK_NOT_BUILT);
-}
+ClosestPointTask::ClosestPointTask() : RegisteredTask(TREELINE_TASK_METHODS, TREELINE_TASK_NOT_BUILT) {}
 
 std::vector<BlockSpec> ClosestPointTask::blocks(Profile profile) const {
   switch (profile) {
@@ -120,7 +98,7 @@ std::vector<BlockSpec> ClosestPointTask::scaling_blocks(Profile profile) const {
 }
 
 std::unique_ptr<Block> ClosestPointTask::open(const BlockSpec& spec, const RunContext& context) const {
-  if (spec.hard) return open_hard(spec.dataset, context, version(), methods_);
+  if (spec.hard) return open_hard(spec.dataset, context, version(), registered());
   return open(datasets::generate(spec.dataset, spec.n, context.seed), context, spec.scaling);
 }
 
@@ -130,33 +108,22 @@ std::unique_ptr<Block> ClosestPointTask::open(Dataset dataset, const RunContext&
 
 std::unique_ptr<Block> ClosestPointTask::open(Dataset dataset, const RunContext& context,
                                               bool scaling) const {
-  if (dataset.kind != datasets::Kind::mesh)
-    throw std::invalid_argument("'" + dataset.name +
-                                "' is no mesh; the task closest_point needs a mesh of triangles");
-  if (dataset.mesh.faces.empty())
-    throw std::invalid_argument("'" + dataset.name +
-                                "' has no triangles; the task closest_point needs a mesh of triangles");
+  require_triangles(dataset, "the task closest_point needs a mesh of triangles");
   BlockInput input;
-  input.dataset_hash = dataset.hash();
   const std::size_t n = dataset.mesh.size();
   SetSizes sizes = set_sizes(n, context.profile);
   if (scaling) sizes.near *= scaling_factor, sizes.other *= scaling_factor;
   input.sets = make_point_sets(dataset.mesh, sizes, context.seed);
   if (scaling) ask_by_threads(input.sets);
-  input.seed = dataset.seed;
-  input.quick = context.profile == Profile::quick;
   input.judged = judged_queries(n, context.profile);
-  input.mesh = std::move(dataset.mesh);
-  input.threads = context.threads;
-  input.truth_cache = context.truth_cache;
-  input.version = version();
-  return std::make_unique<ClosestPointBlock>(std::move(input), methods_);
+  take_mesh(input, std::move(dataset), context, version());
+  return std::make_unique<ClosestPointBlock>(std::move(input), registered());
 }
 
 void ClosestPointTask::pictures(const BlockSpec& spec, const RunContext& context,
                                 const std::string& folder) const {
   const auto mesh = datasets::generate(spec.dataset, spec.n, context.seed).mesh;
-  draw_pictures(methods_, spec.dataset, mesh, context.threads, folder);
+  draw_pictures(registered(), spec.dataset, mesh, context.threads, folder);
 }
 
 }  // namespace treeline::bench::closest_point

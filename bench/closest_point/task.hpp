@@ -22,18 +22,16 @@
 #pragma once
 
 #include "bench/closest_point/method.hpp"
-#include "bench/core/task.hpp"
+#include "bench/core/registered_task.hpp"
 
 namespace treeline::bench::closest_point {
 
-class ClosestPointTask final : public Task {
+class ClosestPointTask final : public RegisteredTask<Method> {
  public:
   ClosestPointTask();
 
   std::string name() const override { return "closest_point"; }
   int version() const override { return 1; }
-  const std::vector<MethodInfo>& methods() const override { return infos_; }
-  std::vector<std::pair<std::string, std::string>> not_built() const override;
   std::vector<BlockSpec> blocks(Profile) const override;
   std::vector<BlockSpec> hard_blocks() const override;
   std::vector<BlockSpec> scaling_blocks(Profile) const override;
@@ -43,13 +41,8 @@ class ClosestPointTask final : public Task {
   std::vector<std::string> advise_on() const override { return {"near", "uniform", "on_vertex"}; }
   void pictures(const BlockSpec&, const RunContext&, const std::string& folder) const override;
 
-  const std::vector<Method>& registered() const { return methods_; }
-
  private:
   std::unique_ptr<Block> open(datasets::Dataset, const RunContext&, bool scaling) const;
-
-  std::vector<Method> methods_;
-  std::vector<MethodInfo> infos_;
 };
 
 }  // namespace treeline::bench::closest_point

@@ -2,6 +2,7 @@
 
 #ifdef TREELINE_HAS_FILES
 #include "datasets_gen/files/read.hpp"
+#include "datasets_gen/scenes/scene.hpp"
 #endif
 
 namespace treeline::bench {
@@ -16,7 +17,18 @@ datasets::Dataset read_input(const std::string& file, datasets::Kind kind) {
     throw UsageError(std::string("--input ") + e.what());
   }
   if (data.kind == kind || kind == datasets::Kind::vectors) return data;  // points are vectors of three
-  if (kind == datasets::Kind::mesh) throw UsageError("--input " + file + ": a cloud; this task needs a mesh");
+  if (data.kind == datasets::Kind::cloud && kind != datasets::Kind::cloud)
+    throw UsageError("--input " + file + ": a cloud; this task needs a mesh");
+  if (kind == datasets::Kind::scene) {
+    try {
+      data.scene = datasets::scene_of_mesh(std::move(data.mesh), data.name);
+    } catch (const std::exception& e) {
+      throw UsageError("--input " + file + ": " + e.what());
+    }
+    data.mesh = {}, data.kind = kind;
+    data.notes.push_back("a mesh: a floor, a sun and a camera were added; y is taken as up");
+    return data;
+  }
   data.kind = kind;
   data.cloud.points = std::move(data.mesh.vertices);  // float: meshes have no doubles here
   data.mesh = {};

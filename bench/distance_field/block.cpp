@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "bench/core/refusal.hpp"
+#include "bench/core/tally.hpp"
 #include "bench/distance_field/truth.hpp"
 #include "geometry/random.hpp"
 #include "geometry/tolerances.hpp"
@@ -59,23 +60,6 @@ class FieldSubject final : public Subject {
   const std::vector<geometry::Rayf>& rays_;
   std::unique_ptr<Field> field_;
   std::string refusal_;
-};
-
-/// Sums over the answers to one set.
-struct Tally {
-  std::vector<double> errors;
-  double bias = 0;
-
-  void add(double error, double signed_error) { errors.push_back(error), bias += signed_error; }
-  void write(Errors& e) {
-    if (errors.empty()) return;
-    const auto n = static_cast<double>(errors.size());
-    std::ranges::sort(errors);
-    e.error = e.mean = std::accumulate(errors.begin(), errors.end(), 0.0) / n;
-    e.max = errors.back();
-    e.p99 = errors[static_cast<std::size_t>(0.99 * (n - 1))];
-    e.bias = bias / n;
-  }
 };
 
 std::string place(const Vec3d& p) {
@@ -200,7 +184,7 @@ class FieldBlock final : public Block {
   Errors check_points(const FieldSubject& subject, std::size_t set, const Knobs& knobs, bool bounded) {
     const bool sides = truth().has_sides();
     Errors e;
-    Tally tally;
+    ErrorTally tally;
     std::size_t wrong_sides = 0, told = 0;
     for (std::size_t i = 0; i < points_[set].size(); ++i) {
       const double d = true_distances_[set][i];
@@ -240,7 +224,7 @@ class FieldBlock final : public Block {
   Errors check_rays(const FieldSubject& subject, const Knobs& knobs, bool bounded) {
     truth();
     Errors e;
-    Tally tally;
+    ErrorTally tally;
     std::size_t false_hits = 0, false_misses = 0, untold = 0, exhausted = 0, most = 0;
     double steps = 0;
     std::vector<Vec3d> met;

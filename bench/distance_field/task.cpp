@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "bench/core/registry.hpp"
 #include "bench/distance_field/block.hpp"
 #include "datasets_gen/hard/hard_case.hpp"
 
@@ -40,14 +39,7 @@ geometry::Mesh3f before_damage(const std::string& name, std::size_t n, std::uint
 
 }  // namespace
 
-DistanceFieldTask::DistanceFieldTask()
-    : methods_(Registry<Method>::instance().in_order_of(TREELINE_TASK_METHODS)) {
-  for (const Method& m : methods_) infos_.push_back(m.info);
-}
-
-std::vector<std::pair<std::string, std::string>> DistanceFieldTask::not_built() const {
-  return parse_not_built(TREELINE_TASK_NOT_BUILT);
-}
+DistanceFieldTask::DistanceFieldTask() : RegisteredTask(TREELINE_TASK_METHODS, TREELINE_TASK_NOT_BUILT) {}
 
 std::vector<BlockSpec> DistanceFieldTask::blocks(Profile profile) const {
   switch (profile) {
@@ -90,7 +82,7 @@ std::unique_ptr<Block> DistanceFieldTask::open(const BlockSpec& spec, const RunC
         input.dataset.mesh = std::move(c.mesh);
         // Sides are asked of a closed sphere and a box alone.
         input.dataset.closed = c.name.starts_with("closed_sphere") || c.name.starts_with("box");
-        return open_block(methods_, std::move(input));
+        return open_block(registered(), std::move(input));
       }
     if (std::ranges::find(damaged, std::string_view(spec.dataset)) == std::end(damaged))
       throw std::invalid_argument("no hard case for distance fields is called '" + spec.dataset + "'");
@@ -98,7 +90,7 @@ std::unique_ptr<Block> DistanceFieldTask::open(const BlockSpec& spec, const RunC
   input.dataset = datasets::generate(spec.dataset, spec.n, context.seed);
   input.whole = before_damage(spec.dataset, spec.n, context.seed);
   if (spec.dataset.ends_with("+nested")) input.dataset.closed = false;  // its sides are no one's
-  return open_block(methods_, std::move(input));
+  return open_block(registered(), std::move(input));
 }
 
 std::unique_ptr<Block> DistanceFieldTask::open(datasets::Dataset dataset, const RunContext& context) const {
@@ -110,7 +102,7 @@ std::unique_ptr<Block> DistanceFieldTask::open(datasets::Dataset dataset, const 
   input.seed = context.seed, input.threads = context.threads;
   input.quick = context.profile != Profile::full;
   if (context.profile == Profile::full) input.points = input.rays = 65536;
-  return open_block(methods_, std::move(input));
+  return open_block(registered(), std::move(input));
 }
 
 }  // namespace treeline::bench::distance_field

@@ -18,17 +18,16 @@
 // was told to be doubtful, and one that hit is within the bound of one. approximate: none.
 #pragma once
 
+#include "bench/core/registered_task.hpp"
 #include "bench/distance_field/method.hpp"
 
 namespace treeline::bench::distance_field {
 
-class DistanceFieldTask final : public Task {
+class DistanceFieldTask final : public RegisteredTask<Method> {
  public:
   DistanceFieldTask();
   std::string name() const override { return "distance_field"; }
   int version() const override { return 1; }
-  const std::vector<MethodInfo>& methods() const override { return infos_; }
-  std::vector<std::pair<std::string, std::string>> not_built() const override;
   std::vector<BlockSpec> blocks(Profile) const override;
   /// Damaged meshes, and those hard cases of the task ray that are closed or at least finite.
   std::vector<BlockSpec> hard_blocks() const override;
@@ -36,13 +35,6 @@ class DistanceFieldTask final : public Task {
   std::unique_ptr<Block> open(const BlockSpec&, const RunContext&) const override;
   std::unique_ptr<Block> open(datasets::Dataset, const RunContext&) const override;
   std::vector<std::string> advise_on() const override { return {"near"}; }
-  void pictures(const BlockSpec&, const RunContext&, const std::string&) const override {}
-
-  const std::vector<Method>& registered() const { return methods_; }
-
- private:
-  std::vector<Method> methods_;
-  std::vector<MethodInfo> infos_;
 };
 
 }  // namespace treeline::bench::distance_field

@@ -33,14 +33,8 @@ class InsideSubject final : public Subject {
 }  // namespace
 
 InsideBlock::InsideBlock(BlockInput input, const std::vector<Method>& methods)
-    : input_(std::move(input)), methods_(methods), truths_(input_.sets.size()) {
+    : MeshBlock(std::move(input), methods), truths_(input_.sets.size()) {
   for (const PointSet& set : input_.sets) query_sets_.push_back({set.name, set.points.size()});
-}
-
-void InsideBlock::warm_up(std::size_t m, int threads) {
-  // A library may limit everybody's threads: the limits are lifted before any of them builds.
-  for (const Method& method : methods_)
-    if (method.warm_up && (threads > 1 || &method == &methods_[m])) method.warm_up(threads);
 }
 
 std::unique_ptr<Subject> InsideBlock::build(std::size_t m, const Knobs& build_knobs, int threads) {

@@ -6,48 +6,34 @@
 #include <string>
 #include <vector>
 
-#include "bench/core/task.hpp"
+#include "bench/core/mesh_block.hpp"
 #include "bench/inside/judge.hpp"
 #include "bench/inside/method.hpp"
 #include "bench/inside/queries.hpp"
 
 namespace treeline::bench::inside {
 
-struct BlockInput {
-  geometry::Mesh3f mesh;
+struct BlockInput : MeshInput {
   std::optional<geometry::Mesh3f> whole;  // what a damaged mesh was: the truth is about that
   std::vector<PointSet> sets;
-  std::uint64_t seed = 0, dataset_hash = 0;
-  bool quick = false;        // time is short
   bool must_answer = false;  // a refusal is a wrong answer
   bool coincident = false;   // some faces lie in one another
-  int threads = 1;           // for the truth; 1 starts no thread pool
-  std::string truth_cache;
-  int version = 0;
 };
 
-class InsideBlock final : public Block {
+class InsideBlock final : public MeshBlock<BlockInput, Method> {
  public:
   InsideBlock(BlockInput input, const std::vector<Method>& methods);
 
-  const std::vector<QuerySet>& query_sets() const override { return query_sets_; }
-  void warm_up(std::size_t m, int threads) override;
   std::unique_ptr<Subject> build(std::size_t m, const Knobs& build_knobs, int threads) override;
   Errors check(std::size_t m, const Subject& subject, std::size_t query_set,
                const Knobs& query_knobs) override;
   std::size_t n() const override { return input_.mesh.size(); }
-  std::uint64_t seed() const override { return input_.seed; }
-  std::uint64_t dataset_hash() const override { return input_.dataset_hash; }
-  bool quick() const override { return input_.quick; }
   /// Finds the truth of all sets now, for many who will need it.
   void find_truth();
 
  private:
   const std::vector<Side>& truth_of(std::size_t query_set);
 
-  BlockInput input_;
-  const std::vector<Method>& methods_;
-  std::vector<QuerySet> query_sets_;
   std::vector<std::optional<std::vector<Side>>> truths_;
 };
 

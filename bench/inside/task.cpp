@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "bench/core/registry.hpp"
 #include "bench/inside/block.hpp"
 #include "datasets_gen/hard/hard_insides.hpp"
 #include "geometry/closedness.hpp"
@@ -35,27 +34,18 @@ constexpr std::size_t scaling_factor = 8;  // so many times the queries where th
 
 /// For thread scaling: queries near the surface and anywhere.
 void ask_by_threads(std::vector<PointSet>& sets) {
-  std::erase_if(sets, [](const PointSet& set) { return set.name != "near" && set.name != "uniform"; });
-  for (PointSet& set : sets) set.name += "_threads";
+  keep_for_threads(sets, {"near", "uniform"}, [](PointSet&, std::size_t) {});
 }
 
 std::unique_ptr<Block> open_hard(const std::string& name, const RunContext& context, int version,
                                  const std::vector<Method>& methods) {
   for (datasets::HardInside& c : datasets::hard_insides()) {
     if (c.name != name) continue;
-    Dataset dataset;
-    dataset.kind = datasets::Kind::mesh;
-    dataset.mesh = std::move(c.mesh);
     BlockInput input;
-    input.dataset_hash = dataset.hash();
-    input.mesh = std::move(dataset.mesh);
+    take_hard_mesh(input, std::move(c.mesh), context, version);
     input.sets.push_back({"inside", std::move(c.points)});
-    input.seed = context.seed;
     input.must_answer = c.expect == datasets::Expect::answers;
     input.coincident = c.coincident;
-    input.threads = 1;  // hard cases run in children of a fork: no thread pool here
-    input.truth_cache = context.truth_cache;
-    input.version = version;
     auto block = std::make_unique<InsideBlock>(std::move(input), methods);
     block->find_truth();  // once, for all the children
     return block;
@@ -65,13 +55,7 @@ std::unique_ptr<Block> open_hard(const std::string& name, const RunContext& cont
 
 }  // namespace
 
-InsideTask::InsideTask() : methods_(Registry<Method>::instance().in_order_of(TREELINE_TASK_METHODS)) {
-  for (const Method& m : methods_) infos_.push_back(m.info);
-}
-
-std::vector<std::pair<std::string, std::string>> InsideTask::not_built() const {
-  return parse_not_built(TREELINE_TASK_NOT_BUILT);
-}
+InsideTask::InsideTask() : RegisteredTask(TREELINE_TASK_METHODS, TREELINE_TASK_NOT_BUILT) {}
 
 std::vector<BlockSpec> InsideTask::blocks(Profile profile) const {
   if (profile == Profile::smoke)
@@ -102,7 +86,7 @@ std::vector<BlockSpec> InsideTask::scaling_blocks(Profile profile) const {
 }
 
 std::unique_ptr<Block> InsideTask::open(const BlockSpec& spec, const RunContext& context) const {
-  if (spec.hard) return open_hard(spec.dataset, context, version(), methods_);
+  if (spec.hard) return open_hard(spec.dataset, context, version(), registered());
   std::optional<geometry::Mesh3f> whole;
   if (const std::size_t plus = spec.dataset.find('+'); plus != std::string::npos)
     whole = datasets::generate(spec.dataset.substr(0, plus), spec.n, context.seed).mesh;
@@ -116,30 +100,20 @@ std::unique_ptr<Block> InsideTask::open(Dataset dataset, const RunContext& conte
 
 std::unique_ptr<Block> InsideTask::open(Dataset dataset, std::optional<geometry::Mesh3f> whole,
                                         const RunContext& context, bool scaling) const {
-  if (dataset.kind != datasets::Kind::mesh)
-    throw std::invalid_argument("'" + dataset.name +
-                                "' is no mesh; the task inside needs a closed mesh of triangles");
-  if (dataset.mesh.faces.empty())
-    throw std::invalid_argument("'" + dataset.name +
-                                "' has no triangles; the task inside needs a closed mesh of triangles");
+  require_triangles(dataset, "the task inside needs a closed mesh of triangles");
   BlockInput input;
   const auto closedness = geometry::closedness(dataset.mesh);
   if (!whole && !(closedness.closed && closedness.oriented))
     throw std::invalid_argument(
         "'" + dataset.name + "' is " + (closedness.closed ? "not oriented alike everywhere" : "not closed") +
         "; nothing says what is inside of it (treeline_gen --check lists what is wrong)");
-  input.dataset_hash = dataset.hash();
   SetSizes sizes = set_sizes(dataset.mesh.size(), context.profile);
   if (scaling) sizes.near *= scaling_factor, sizes.other *= scaling_factor;
   input.sets = make_point_sets(whole ? *whole : dataset.mesh, sizes, whole.has_value(), dataset.seed);
   if (scaling) ask_by_threads(input.sets);
-  input.seed = dataset.seed;
-  input.quick = context.profile == Profile::quick;
-  input.mesh = std::move(dataset.mesh), input.whole = std::move(whole);
-  input.threads = context.threads;
-  input.truth_cache = context.truth_cache;
-  input.version = version();
-  return std::make_unique<InsideBlock>(std::move(input), methods_);
+  input.whole = std::move(whole);
+  take_mesh(input, std::move(dataset), context, version());
+  return std::make_unique<InsideBlock>(std::move(input), registered());
 }
 
 }  // namespace treeline::bench::inside

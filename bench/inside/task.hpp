@@ -8,19 +8,17 @@
 // Advice: on near, uniform and on_vertex; a tolerance is a share of wrong answers.
 #pragma once
 
-#include "bench/core/task.hpp"
+#include "bench/core/registered_task.hpp"
 #include "bench/inside/method.hpp"
 
 namespace treeline::bench::inside {
 
-class InsideTask final : public Task {
+class InsideTask final : public RegisteredTask<Method> {
  public:
   InsideTask();
 
   std::string name() const override { return "inside"; }
   int version() const override { return 1; }
-  const std::vector<MethodInfo>& methods() const override { return infos_; }
-  std::vector<std::pair<std::string, std::string>> not_built() const override;
   std::vector<BlockSpec> blocks(Profile) const override;
   std::vector<BlockSpec> hard_blocks() const override;
   std::vector<BlockSpec> scaling_blocks(Profile) const override;
@@ -28,18 +26,11 @@ class InsideTask final : public Task {
   std::unique_ptr<Block> open(const BlockSpec&, const RunContext&) const override;
   std::unique_ptr<Block> open(datasets::Dataset, const RunContext&) const override;
   std::vector<std::string> advise_on() const override { return {"near", "uniform", "on_vertex"}; }
-  /// Has none.
-  void pictures(const BlockSpec&, const RunContext&, const std::string&) const override {}
-
-  const std::vector<Method>& registered() const { return methods_; }
 
  private:
   /// whole: what a damaged dataset was before.
   std::unique_ptr<Block> open(datasets::Dataset, std::optional<geometry::Mesh3f> whole, const RunContext&,
                               bool scaling) const;
-
-  std::vector<Method> methods_;
-  std::vector<MethodInfo> infos_;
 };
 
 }  // namespace treeline::bench::inside

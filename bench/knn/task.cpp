@@ -1,6 +1,5 @@
 #include "bench/knn/task.hpp"
 
-#include "bench/core/registry.hpp"
 #include "bench/knn/block.hpp"
 #include "bench/knn/slice_picture.hpp"
 #include "datasets_gen/hard/hard_case.hpp"
@@ -51,13 +50,7 @@ datasets::HardCase hard_case_named(const std::string& name) {
 
 }  // namespace
 
-KnnTask::KnnTask() : methods_(Registry<Method>::instance().in_order_of(TREELINE_TASK_METHODS)) {
-  for (const Method& m : methods_) infos_.push_back(m.info);
-}
-
-std::vector<std::pair<std::string, std::string>> KnnTask::not_built() const {
-  return parse_not_built(TREELINE_TASK_NOT_BUILT);
-}
+KnnTask::KnnTask() : RegisteredTask(TREELINE_TASK_METHODS, TREELINE_TASK_NOT_BUILT) {}
 
 std::vector<BlockSpec> KnnTask::blocks(Profile profile) const {
   std::vector<BlockSpec> r;
@@ -96,21 +89,21 @@ std::vector<BlockSpec> KnnTask::scaling_blocks(Profile profile) const {
 }
 
 std::unique_ptr<Block> KnnTask::open(const BlockSpec& spec, const RunContext& context) const {
-  if (spec.hard) return open_hard_block(methods_, hard_case_named(spec.dataset), version(), context);
+  if (spec.hard) return open_hard_block(registered(), hard_case_named(spec.dataset), version(), context);
   if (spec.scaling)
-    return open_block(methods_, datasets::generate(spec.dataset, spec.n, context.seed),
+    return open_block(registered(), datasets::generate(spec.dataset, spec.n, context.seed),
                       asked_by_threads(context.profile), version(), context);
   return open(datasets::generate(spec.dataset, spec.n, context.seed), context);
 }
 
 std::unique_ptr<Block> KnnTask::open(datasets::Dataset dataset, const RunContext& context) const {
-  return open_block(methods_, std::move(dataset), asked(context.profile), version(), context);
+  return open_block(registered(), std::move(dataset), asked(context.profile), version(), context);
 }
 
 void KnnTask::pictures(const BlockSpec& spec, const RunContext& context, const std::string& folder) const {
   const datasets::Dataset dataset = datasets::generate(spec.dataset, spec.n, context.seed);
   if (dataset.precise.size() > 0) return;  // what float makes of it would be a picture of rounding
-  write_pictures(methods_, dataset.cloud.points, spec.label(), folder);
+  write_pictures(registered(), dataset.cloud.points, spec.label(), folder);
 }
 
 }  // namespace treeline::bench::knn

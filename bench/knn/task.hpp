@@ -4,18 +4,16 @@
 // CMakeLists.txt.
 #pragma once
 
-#include "bench/core/task.hpp"
+#include "bench/core/registered_task.hpp"
 #include "bench/knn/method.hpp"
 
 namespace treeline::bench::knn {
 
-class KnnTask final : public Task {
+class KnnTask final : public RegisteredTask<Method> {
  public:
   KnnTask();
   std::string name() const override { return "knn"; }
   int version() const override { return 2; }
-  const std::vector<MethodInfo>& methods() const override { return infos_; }
-  std::vector<std::pair<std::string, std::string>> not_built() const override;
   std::vector<BlockSpec> blocks(Profile) const override;
   /// Hard cases for points. A query that is not finite has no neighbours: silence and refusal are right.
   std::vector<BlockSpec> hard_blocks() const override;
@@ -26,10 +24,6 @@ class KnnTask final : public Task {
   std::unique_ptr<Block> open(datasets::Dataset, const RunContext&) const override;
   std::vector<std::string> advise_on() const override { return {"knn8_self", "knn8_off", "radius_self"}; }
   void pictures(const BlockSpec&, const RunContext&, const std::string& folder) const override;
-
- private:
-  std::vector<Method> methods_;
-  std::vector<MethodInfo> infos_;
 };
 
 }  // namespace treeline::bench::knn

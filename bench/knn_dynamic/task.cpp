@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "bench/core/registry.hpp"
 #include "bench/knn_dynamic/block.hpp"
 
 namespace treeline::bench::knn_dynamic {
@@ -20,13 +19,7 @@ bool fits(const datasets::HardCase& c) {
 
 }  // namespace
 
-KnnDynamicTask::KnnDynamicTask() : methods_(Registry<Method>::instance().in_order_of(TREELINE_TASK_METHODS)) {
-  for (const Method& m : methods_) infos_.push_back(m.info);
-}
-
-std::vector<std::pair<std::string, std::string>> KnnDynamicTask::not_built() const {
-  return parse_not_built(TREELINE_TASK_NOT_BUILT);
-}
+KnnDynamicTask::KnnDynamicTask() : RegisteredTask(TREELINE_TASK_METHODS, TREELINE_TASK_NOT_BUILT) {}
 
 std::vector<BlockSpec> KnnDynamicTask::blocks(Profile profile) const {
   switch (profile) {
@@ -53,7 +46,7 @@ std::vector<BlockSpec> KnnDynamicTask::hard_blocks() const {
 std::unique_ptr<Block> KnnDynamicTask::open(const BlockSpec& spec, const RunContext& context) const {
   if (!spec.hard) return open(datasets::generate(spec.dataset, 2 * spec.n, context.seed), context);
   for (datasets::HardCase& c : datasets::hard_cases())
-    if (c.name == spec.dataset && fits(c)) return open_hard_block(methods_, std::move(c), context);
+    if (c.name == spec.dataset && fits(c)) return open_hard_block(registered(), std::move(c), context);
   throw std::invalid_argument("no hard case for points that come and go is called '" + spec.dataset + "'");
 }
 
@@ -62,7 +55,7 @@ std::unique_ptr<Block> KnnDynamicTask::open(datasets::Dataset dataset, const Run
     dataset.cloud.points = std::move(dataset.mesh.vertices);
     dataset.kind = datasets::Kind::cloud, dataset.mesh = {};
   }
-  return open_block(methods_, std::move(dataset), context);
+  return open_block(registered(), std::move(dataset), context);
 }
 
 }  // namespace treeline::bench::knn_dynamic

@@ -11,17 +11,16 @@
 // not waited for.
 #pragma once
 
+#include "bench/core/registered_task.hpp"
 #include "bench/knn_dynamic/method.hpp"
 
 namespace treeline::bench::knn_dynamic {
 
-class KnnDynamicTask final : public Task {
+class KnnDynamicTask final : public RegisteredTask<Method> {
  public:
   KnnDynamicTask();
   std::string name() const override { return "knn_dynamic"; }
   int version() const override { return 1; }
-  const std::vector<MethodInfo>& methods() const override { return infos_; }
-  std::vector<std::pair<std::string, std::string>> not_built() const override;
   std::vector<BlockSpec> blocks(Profile) const override;
   /// Those of the task knn that must be answered and are finite.
   std::vector<BlockSpec> hard_blocks() const override;
@@ -31,12 +30,6 @@ class KnnDynamicTask final : public Task {
   std::unique_ptr<Block> open(datasets::Dataset, const RunContext&) const override;
   /// Points that come one by one weigh as much as batches; whoever has only one of these reads it alone.
   std::vector<std::string> advise_on() const override { return {"single", "asked16"}; }
-  /// Nothing: its trees are those of the task knn.
-  void pictures(const BlockSpec&, const RunContext&, const std::string&) const override {}
-
- private:
-  std::vector<Method> methods_;
-  std::vector<MethodInfo> infos_;
 };
 
 }  // namespace treeline::bench::knn_dynamic

@@ -1,6 +1,5 @@
 #include "bench/knn_nd/task.hpp"
 
-#include "bench/core/registry.hpp"
 #include "bench/knn_nd/block.hpp"
 #include "bench/knn_nd/truth.hpp"
 #include "datasets_gen/hard/hard_rows.hpp"
@@ -77,13 +76,7 @@ Vectors rows_of(const std::vector<geometry::Vec3f>& points) {
 
 }  // namespace
 
-KnnNdTask::KnnNdTask() : methods_(Registry<Method>::instance().in_order_of(TREELINE_TASK_METHODS)) {
-  for (const Method& m : methods_) infos_.push_back(m.info);
-}
-
-std::vector<std::pair<std::string, std::string>> KnnNdTask::not_built() const {
-  return parse_not_built(TREELINE_TASK_NOT_BUILT);
-}
+KnnNdTask::KnnNdTask() : RegisteredTask(TREELINE_TASK_METHODS, TREELINE_TASK_NOT_BUILT) {}
 
 std::vector<BlockSpec> KnnNdTask::blocks(Profile profile) const {
   std::vector<BlockSpec> r;
@@ -120,7 +113,7 @@ std::unique_ptr<Block> KnnNdTask::open(const BlockSpec& spec, const RunContext& 
       throw std::invalid_argument("dataset '" + spec.dataset + "' does not consist of vectors");
     Questions questions = questions_for(context.profile);
     questions.rows = cut_off(d.vectors, count);
-    return open_block(methods_, std::move(d), std::move(questions), version(), context);
+    return open_block(registered(), std::move(d), std::move(questions), version(), context);
   }
   for (datasets::HardRows& c : datasets::hard_rows()) {
     if (c.name != spec.dataset) continue;
@@ -130,7 +123,7 @@ std::unique_ptr<Block> KnnNdTask::open(const BlockSpec& spec, const RunContext& 
     questions.sets = {{"knn" + std::to_string(c.k), c.k}};
     questions.rows = std::move(c.queries);
     questions.hard = true, questions.must_answer = c.expect == datasets::Expect::answers;
-    return open_block(methods_, std::move(d), std::move(questions), version(), context);
+    return open_block(registered(), std::move(d), std::move(questions), version(), context);
   }
   throw std::invalid_argument("no hard case for rows is called '" + spec.dataset + "'");
 }
@@ -143,7 +136,7 @@ std::unique_ptr<Block> KnnNdTask::open(datasets::Dataset dataset, const RunConte
   }
   Questions questions = questions_for(context.profile);
   questions.rows = hold_out(dataset.vectors, queries_a_set(context.profile), context.seed);
-  return open_block(methods_, std::move(dataset), std::move(questions), version(), context);
+  return open_block(registered(), std::move(dataset), std::move(questions), version(), context);
 }
 
 }  // namespace treeline::bench::knn_nd

@@ -9,18 +9,16 @@
 // need is the true neighbours. The excess is kept beside it: metric.hpp.
 #pragma once
 
-#include "bench/core/task.hpp"
+#include "bench/core/registered_task.hpp"
 #include "bench/knn_nd/method.hpp"
 
 namespace treeline::bench::knn_nd {
 
-class KnnNdTask final : public Task {
+class KnnNdTask final : public RegisteredTask<Method> {
  public:
   KnnNdTask();
   std::string name() const override { return "knn_nd"; }
   int version() const override { return 1; }
-  const std::vector<MethodInfo>& methods() const override { return infos_; }
-  std::vector<std::pair<std::string, std::string>> not_built() const override;
   std::vector<BlockSpec> blocks(Profile) const override;
   std::vector<BlockSpec> hard_blocks() const override;
   datasets::Kind dataset_kind() const override { return datasets::Kind::vectors; }
@@ -28,12 +26,6 @@ class KnnNdTask final : public Task {
   /// Vectors; or the points of a cloud or the vertices of a mesh, as rows of 3.
   std::unique_ptr<Block> open(datasets::Dataset, const RunContext&) const override;
   std::vector<std::string> advise_on() const override { return {"knn1", "knn10"}; }
-  /// Nothing: cells of many dimensions have no picture.
-  void pictures(const BlockSpec&, const RunContext&, const std::string&) const override {}
-
- private:
-  std::vector<Method> methods_;
-  std::vector<MethodInfo> infos_;
 };
 
 }  // namespace treeline::bench::knn_nd

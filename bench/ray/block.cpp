@@ -6,6 +6,7 @@
 #include <array>
 #include <numeric>
 
+#include "bench/core/tally.hpp"
 #include "bench/core/truth_cache.hpp"
 #include "bench/ray/subject.hpp"
 #include "geometry/random.hpp"
@@ -13,12 +14,6 @@
 
 namespace treeline::bench::ray {
 namespace {
-
-std::vector<std::size_t> evenly_spread(std::size_t size, std::size_t most) {
-  std::vector<std::size_t> r(std::min(size, most));
-  for (std::size_t i = 0; i < r.size(); ++i) r[i] = i * size / r.size();
-  return r;
-}
 
 std::string describe(std::size_t number, const geometry::Rayf& ray, const TrueHit& truth,
                      const RayAnswer& answer, bool any, Verdict verdict) {
@@ -58,16 +53,14 @@ bool outside_of(const geometry::Triangle3f& triangle, const geometry::Rayf& ray,
 }
 
 /// Sums over the answers to one query set.
-struct Tally {
-  std::vector<double> errors, ulps;
-  double bias = 0;
+struct Tally : ErrorTally {
+  std::vector<double> ulps;
   std::array<std::size_t, 6> of_verdict{};  // by Verdict
   std::size_t outside = 0, surplus = 0, missing = 0;
 
   std::size_t operator[](Verdict v) const { return of_verdict[static_cast<std::size_t>(v)]; }
   void add(const Judged& judged) {
-    errors.push_back(judged.error);
-    bias += judged.signed_error;
+    ErrorTally::add(judged.error, judged.signed_error);
     ++of_verdict[static_cast<std::size_t>(judged.verdict)];
   }
   /// Only where both are of one surface: elsewhere the difference says nothing about rounding.
@@ -84,7 +77,7 @@ double per_million(std::size_t part, std::size_t whole) {
 }  // namespace
 
 RayBlock::RayBlock(BlockInput input, const std::vector<Method>& methods)
-    : input_(std::move(input)), methods_(methods), truths_(input_.sets.size()) {
+    : MeshBlock(std::move(input), methods), truths_(input_.sets.size()) {
   frames_ = std::move(input_.moved);
   frames_.insert(frames_.begin(), std::move(input_.mesh));
   for (const RaySet& set : input_.sets) {
@@ -93,12 +86,6 @@ RayBlock::RayBlock(BlockInput input, const std::vector<Method>& methods)
     float_judges_.emplace_back(mesh, geometry::tolerance::unit_roundoff<float>);
     double_judges_.emplace_back(mesh, geometry::tolerance::unit_roundoff<double>);
   }
-}
-
-void RayBlock::warm_up(std::size_t m, int threads) {
-  // On several threads everybody's: a library that is not asked may keep the others from having them.
-  for (const Method& method : methods_)
-    if (method.warm_up && (threads > 1 || &method == &methods_[m])) method.warm_up(threads);
 }
 
 std::unique_ptr<Subject> RayBlock::build(std::size_t m, const Knobs& build_knobs, int threads) {
@@ -184,18 +171,9 @@ Errors RayBlock::check(std::size_t m, const Subject& subject, std::size_t query_
     result.reason = std::to_string(set.rays.size() - hits) + " rays from inside a closed mesh got out";
   }
 
-  std::vector<double>& errors = tally.errors;
-  if (!errors.empty()) {
-    const double n = static_cast<double>(errors.size());
-    std::ranges::sort(errors);
-    result.mean = std::accumulate(errors.begin(), errors.end(), 0.0) / n;
-    result.error = result.mean;
-    result.max = errors.back();
-    result.p99 = errors[static_cast<std::size_t>(0.99 * (n - 1))];
-    result.bias = tally.bias / n;
-    // Answers are floats: below half an ulp of t there is nothing to tell methods apart by.
-    if (!set.any) result.floor = geometry::tolerance::unit_roundoff<float>;
-  }
+  tally.write(result);
+  // Answers are floats: below half an ulp of t there is nothing to tell methods apart by.
+  if (!tally.errors.empty() && !set.any) result.floor = geometry::tolerance::unit_roundoff<float>;
   const auto true_hits = std::ranges::count_if(truth.hits, [](const TrueHit& h) { return bool(h); });
   const auto known = [](const auto& value) { return value ? Knobs(*value) : Knobs(nullptr); };
   std::optional<double> share, ulp_max, ulp_mean, self_hits;
@@ -208,7 +186,7 @@ Errors RayBlock::check(std::size_t m, const Subject& subject, std::size_t query_
   }
   if (!set.any) outside = tally.outside;
   if (set.outward) self_hits = per_million(hits, set.rays.size());
-  result.extra = {{"ray_judged", errors.size()},
+  result.extra = {{"ray_judged", tally.errors.size()},
                   {"ray_hit_share", known(share)},
                   {"ray_false_hits", tally[Verdict::false_hit]},
                   {"ray_false_misses", tally[Verdict::false_miss]},

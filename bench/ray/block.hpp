@@ -7,40 +7,29 @@
 #include <string>
 #include <vector>
 
-#include "bench/core/task.hpp"
+#include "bench/core/mesh_block.hpp"
 #include "bench/ray/judge.hpp"
 #include "bench/ray/method.hpp"
 #include "bench/ray/queries.hpp"
 
 namespace treeline::bench::ray {
 
-struct BlockInput {
-  geometry::Mesh3f mesh;
+struct BlockInput : MeshInput {
   std::vector<geometry::Mesh3f> moved;  // frames 1, 2, …: the same faces with other vertices
   std::vector<RaySet> sets;
-  std::uint64_t seed = 0, dataset_hash = 0;
   bool closed = false;            // a ray that passes through a surface is a leak
   bool from_inside = false;       // closed, and every ray starts inside: each that meets nothing is a leak
-  bool quick = false;             // time is short
   std::size_t judged = SIZE_MAX;  // at most so many rays a set are judged, evenly spread
-  int threads = 1;                // for the truth; 1 starts no thread pool
-  std::string truth_cache;
-  int version = 0;
 };
 
-class RayBlock final : public Block {
+class RayBlock final : public MeshBlock<BlockInput, Method> {
  public:
   RayBlock(BlockInput input, const std::vector<Method>& methods);
 
-  const std::vector<QuerySet>& query_sets() const override { return query_sets_; }
-  void warm_up(std::size_t m, int threads) override;
   std::unique_ptr<Subject> build(std::size_t m, const Knobs& build_knobs, int threads) override;
   Errors check(std::size_t m, const Subject& subject, std::size_t query_set,
                const Knobs& query_knobs) override;
   std::size_t n() const override { return frames_.front().size(); }
-  std::uint64_t seed() const override { return input_.seed; }
-  std::uint64_t dataset_hash() const override { return input_.dataset_hash; }
-  bool quick() const override { return input_.quick; }
   /// Finds the truth of all sets now, for many who will need it.
   void find_truth();
 
@@ -51,10 +40,7 @@ class RayBlock final : public Block {
   };
   const Truth& truth_of(std::size_t query_set);
 
-  BlockInput input_;                      // without its meshes
-  std::vector<geometry::Mesh3f> frames_;  // the mesh, and what it moves to
-  const std::vector<Method>& methods_;
-  std::vector<QuerySet> query_sets_;
+  std::vector<geometry::Mesh3f> frames_;  // the mesh, and what it moves to; the input has neither any more
   std::vector<std::optional<Truth>> truths_;
   std::vector<Judge> float_judges_, double_judges_;  // one a truth
 };

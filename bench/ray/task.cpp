@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "bench/core/registry.hpp"
 #include "bench/ray/block.hpp"
 #include "bench/ray/moving.hpp"
 #include "bench/ray/pictures.hpp"
@@ -39,13 +38,7 @@ bool moves(const std::string& dataset, std::size_t n, Profile profile) {
 /// For thread scaling: rays that keep together and rays that go anywhere, batches of tens of milliseconds,
 /// against which waking a thread is nothing.
 void ask_by_threads(std::vector<RaySet>& sets) {
-  std::vector<RaySet> kept;
-  for (RaySet& set : sets)
-    if (set.name == "camera" || set.name == "random" || set.name == "shadow") {
-      set.name += "_threads", set.truth = kept.size();
-      kept.push_back(std::move(set));
-    }
-  sets = std::move(kept);
+  keep_for_threads(sets, {"camera", "random", "shadow"}, [](RaySet& set, std::size_t i) { set.truth = i; });
 }
 
 /// Rays a set that are judged: as many as brute force answers in a second or two.
@@ -64,12 +57,8 @@ datasets::HardCase hard_case(const std::string& name) {
 std::unique_ptr<Block> open_hard(const std::string& name, const RunContext& context, int version,
                                  const std::vector<Method>& methods) {
   datasets::HardCase c = hard_case(name);
-  Dataset dataset;
-  dataset.kind = datasets::Kind::mesh;
-  dataset.mesh = std::move(c.mesh);
   BlockInput input;
-  input.dataset_hash = dataset.hash();
-  input.mesh = std::move(dataset.mesh);
+  take_hard_mesh(input, std::move(c.mesh), context, version);
   if (!c.rays.empty()) {
     input.sets.push_back({.name = "closest", .rays = c.rays, .truth = 0});
     input.sets.push_back({.name = "any", .any = true, .rays = c.rays, .truth = 0});
@@ -77,12 +66,8 @@ std::unique_ptr<Block> open_hard(const std::string& name, const RunContext& cont
   for (datasets::RaysOut& out : c.outward)
     input.sets.push_back(
         {.name = out.name, .rays = std::move(out.rays), .truth = input.sets.size(), .outward = true});
-  input.seed = context.seed;
   input.from_inside = c.from_inside;
   input.judged = c.judged;
-  input.threads = 1;  // hard cases run in children of a fork: no thread pool here
-  input.truth_cache = context.truth_cache;
-  input.version = version;
   auto block = std::make_unique<RayBlock>(std::move(input), methods);
   block->find_truth();  // once, for all the children
   return block;
@@ -90,13 +75,7 @@ std::unique_ptr<Block> open_hard(const std::string& name, const RunContext& cont
 
 }  // namespace
 
-RayTask::RayTask() : methods_(Registry<Method>::instance().in_order_of(TREELINE_TASK_METHODS)) {
-  for (const Method& m : methods_) infos_.push_back(m.info);
-}
-
-std::vector<std::pair<std::string, std::string>> RayTask::not_built() const {
-  return parse_not_built(TREELINE_TASK_NOT_BUILT);
-}
+RayTask::RayTask() : RegisteredTask(TREELINE_TASK_METHODS, TREELINE_TASK_NOT_BUILT) {}
 
 std::vector<BlockSpec> RayTask::blocks(Profile profile) const {
   if (profile == Profile::smoke) return {{"icosphere", 1'000}, {"forest", 1'000}};
@@ -129,7 +108,7 @@ std::vector<BlockSpec> RayTask::scaling_blocks(Profile profile) const {
 }
 
 std::unique_ptr<Block> RayTask::open(const BlockSpec& spec, const RunContext& context) const {
-  if (spec.hard) return open_hard(spec.dataset, context, version(), methods_);
+  if (spec.hard) return open_hard(spec.dataset, context, version(), registered());
   return open(datasets::generate(spec.dataset, spec.n, context.seed), context, spec.scaling);
 }
 
@@ -138,14 +117,8 @@ std::unique_ptr<Block> RayTask::open(Dataset dataset, const RunContext& context)
 }
 
 std::unique_ptr<Block> RayTask::open(Dataset dataset, const RunContext& context, bool scaling) const {
-  if (dataset.kind != datasets::Kind::mesh)
-    throw std::invalid_argument("'" + dataset.name +
-                                "' is a point cloud; the task ray needs a mesh of triangles");
-  if (dataset.mesh.faces.empty())
-    throw std::invalid_argument("'" + dataset.name +
-                                "' has no triangles; the task ray needs a mesh of triangles");
+  require_triangles(dataset, "the task ray needs a mesh of triangles");
   BlockInput input;
-  input.dataset_hash = dataset.hash();
   const std::size_t n = dataset.mesh.size();
   const std::size_t count = rays_per_set(n, context.profile) * (scaling ? scaling_factor : 1);
   input.sets = make_ray_sets(dataset.mesh, count, context.seed, context.threads);
@@ -156,19 +129,14 @@ std::unique_ptr<Block> RayTask::open(Dataset dataset, const RunContext& context,
     for (const std::size_t frame : frames) input.moved.push_back(twisted(dataset.mesh, frame));
     add_moving_sets(input.sets, input.moved, frames, count, context.seed);
   }
-  input.seed = dataset.seed;
   input.closed = dataset.closed;
-  input.quick = context.profile == Profile::quick;
   input.judged = judged_rays(n, context.profile);
-  input.mesh = std::move(dataset.mesh);
-  input.threads = context.threads;
-  input.truth_cache = context.truth_cache;
-  input.version = version();
-  return std::make_unique<RayBlock>(std::move(input), methods_);
+  take_mesh(input, std::move(dataset), context, version());
+  return std::make_unique<RayBlock>(std::move(input), registered());
 }
 
 void RayTask::pictures(const BlockSpec& spec, const RunContext& context, const std::string& folder) const {
-  draw_pictures(methods_, spec, context, folder);
+  draw_pictures(registered(), spec, context, folder);
 }
 
 }  // namespace treeline::bench::ray

@@ -32,19 +32,17 @@
 //   whoever can live with leaks at edges chooses among the sets in the report.
 #pragma once
 
-#include "bench/core/task.hpp"
+#include "bench/core/registered_task.hpp"
 #include "bench/ray/method.hpp"
 
 namespace treeline::bench::ray {
 
-class RayTask final : public Task {
+class RayTask final : public RegisteredTask<Method> {
  public:
   RayTask();
 
   std::string name() const override { return "ray"; }
   int version() const override { return 4; }
-  const std::vector<MethodInfo>& methods() const override { return infos_; }
-  std::vector<std::pair<std::string, std::string>> not_built() const override;
   std::vector<BlockSpec> blocks(Profile) const override;
   std::vector<BlockSpec> hard_blocks() const override;
   std::vector<BlockSpec> scaling_blocks(Profile) const override;
@@ -54,13 +52,8 @@ class RayTask final : public Task {
   std::vector<std::string> advise_on() const override { return {"camera", "diffuse", "shadow", "edge"}; }
   void pictures(const BlockSpec&, const RunContext&, const std::string& folder) const override;
 
-  const std::vector<Method>& registered() const { return methods_; }
-
  private:
   std::unique_ptr<Block> open(datasets::Dataset, const RunContext&, bool scaling) const;
-
-  std::vector<Method> methods_;
-  std::vector<MethodInfo> infos_;
 };
 
 }  // namespace treeline::bench::ray

@@ -127,6 +127,11 @@ std::filesystem::path make_part(const std::filesystem::path& path) {
 }  // namespace
 
 void write(const Dataset& dataset, const std::filesystem::path& path, bool overwrite) {
+  if (dataset.kind == Kind::scene) {  // no format here holds its light
+    Dataset mesh;
+    mesh.kind = Kind::mesh, mesh.name = dataset.name, mesh.mesh = dataset.scene.mesh;
+    return write(mesh, path, overwrite);
+  }
   std::string extension = path.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const bool cloud = dataset.kind == Kind::cloud;
