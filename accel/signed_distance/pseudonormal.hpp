@@ -17,16 +17,14 @@
 // part found.
 #pragma once
 
-#include <bit>
 #include <numbers>
 #include <numeric>
-#include <ranges>
 
 #include "accel/concepts.hpp"
 #include "geometry/exact/orientation.hpp"
 #include "geometry/exact/triangle_distance.hpp"
 #include "geometry/mesh.hpp"
-#include "geometry/random.hpp"
+#include "geometry/weld.hpp"
 
 namespace treeline::accel {
 
@@ -38,7 +36,7 @@ class PseudonormalTable {
   using Normal = geometry::Vec3d;
   /// Throws InvalidInput for a face that names no vertex.
   explicit PseudonormalTable(const geometry::Mesh<T>& mesh) : corners_(mesh.size()) {
-    const std::vector<std::uint32_t> welded = weld(mesh);
+    const std::vector<std::uint32_t> welded = geometry::first_at_position(mesh.vertices);
     for (std::size_t f = 0; f < mesh.size(); ++f)
       for (std::size_t i = 0; i < 3; ++i) {
         if (mesh.faces[f][i] >= welded.size())
@@ -88,28 +86,6 @@ class PseudonormalTable {
 
  private:
   using Three = std::array<std::uint32_t, 3>;
-
-  /// Of each vertex, the first at its position; those that are not finite stand for themselves.
-  static std::vector<std::uint32_t> weld(const geometry::Mesh<T>& mesh) {
-    std::vector<std::uint32_t> first(mesh.vertices.size());
-    std::iota(first.begin(), first.end(), 0u);
-    constexpr std::uint32_t none = 0xffffffffu;
-    std::vector<std::uint32_t> table(std::bit_ceil(2 * first.size() + 1), none);
-    for (const std::uint32_t v : std::views::iota(0u, static_cast<std::uint32_t>(first.size()))) {
-      const auto& p = mesh.vertices[v];
-      if (!is_finite(p)) continue;
-      std::uint64_t h = 0;
-      for (int k = 0; k < 3; ++k)  // -0 and 0 are one
-        h = geometry::mix_bits(h + std::bit_cast<std::uint64_t>(double(p[k]) + 0.0));
-      std::size_t at = h & (table.size() - 1);
-      while (table[at] != none && !(mesh.vertices[table[at]] == p)) at = (at + 1) & (table.size() - 1);
-      if (table[at] == none)
-        table[at] = v;
-      else
-        first[v] = table[at];
-    }
-    return first;
-  }
 
   void sum_up() {
     std::vector<Normal> of_face(corners_.size());

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "datasets_gen/diagnosis.hpp"
+#include "datasets_gen/loss.hpp"
 
 namespace treeline::datasets {
 namespace {
@@ -140,6 +141,39 @@ TEST(Decimation, ReachesItsShareAndStaysNearTheSurface) {
   Mesh3f odd = ball();
   odd.vertices[9][1] = std::numeric_limits<float>::infinity();
   EXPECT_THROW(decimated(odd, 0.5), std::invalid_argument);
+}
+
+// A cube of side 2 beside one of side 1 that is gone, and the same cube with a corner pulled in.
+TEST(Losses, HaveTheirClosedForms) {
+  const auto cube = [](float low, float high) {
+    Mesh3f m;
+    for (int i = 0; i < 8; ++i)
+      m.vertices.push_back({i & 1 ? high : low, i & 2 ? high : low, i & 4 ? high : low});
+    m.faces = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+               {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    return m;
+  };
+  const Mesh3f one = cube(-1, 1);
+  Mesh3f two = one;
+  const Mesh3f other = cube(3, 4);
+  two.vertices.insert(two.vertices.end(), other.vertices.begin(), other.vertices.end());
+  for (const auto& f : other.faces) two.faces.push_back({f[0] + 8, f[1] + 8, f[2] + 8});
+  const Loss same = loss(one, one, 1), less = loss(two, one, 1);
+  EXPECT_EQ(same.farthest, 0);
+  EXPECT_EQ(same.area, 24);
+  EXPECT_EQ(same.volume_left, 8);
+  EXPECT_EQ(same.crossings, 0u);
+  EXPECT_EQ(less.parts, 2u);
+  EXPECT_EQ(less.parts_left, 1u);
+  EXPECT_EQ(less.area - less.area_left, 6);
+  EXPECT_EQ(less.volume - less.volume_left, 1);
+  EXPECT_NEAR(less.farthest, std::sqrt(27.0), 1e-6);
+  EXPECT_NEAR(less.diagonal, std::sqrt(75.0), 1e-6);
+  Mesh3f open = one;
+  open.faces.pop_back();
+  EXPECT_TRUE(std::isnan(loss(one, open, 1).volume_left));
+  EXPECT_NE(as_text(loss(one, open, 1)).find("no longer closed"), std::string::npos);
+  EXPECT_TRUE(std::isinf(loss(one, Mesh3f{}, 1).farthest));
 }
 
 TEST(HalfEdges, WhatOpenMeshDoesToNonManifoldInputIsReported) {
