@@ -113,7 +113,8 @@ void check_combinations(const Options& o) {
 
 }  // namespace
 
-std::variant<Options, int> parse_command_line(const std::string& task, int argc, const char* const* argv) {
+std::variant<Options, int> parse_command_line(const std::string& task, int argc, const char* const* argv,
+                                              const std::vector<TaskFlag>& own) {
   Options o;
   o.program = argc > 0 ? argv[0] : "bench_" + task;
   o.context.truth_cache = default_cache();
@@ -163,12 +164,19 @@ std::variant<Options, int> parse_command_line(const std::string& task, int argc,
   app.add_option("--cache", o.context.truth_cache, "Folder for truths already computed (empty: none)");
   app.add_option("--stress-seconds", o.limits.seconds, "Time limit of a step of a hard case")->check(seconds);
   app.add_option("--stress-bytes", o.limits.memory, "Memory limit of a hard case")->check(positive);
+  for (const TaskFlag& flag : own) app.add_option(flag.name, o.context.own[flag.name], flag.help);
   try {
     app.parse(arguments);
   } catch (const CLI::CallForHelp& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
     throw UsageError(error.what());
+  }
+  for (const TaskFlag& flag : own) {
+    if (app.count(flag.name) == 0)
+      o.context.own.erase(flag.name);
+    else if (o.context.own[flag.name].empty())
+      throw UsageError(fmt::format("{} is empty; it needs a value", flag.name));
   }
   // An empty one would count as not given.
   for (const auto& [flag, empty] : {std::pair("--input", o.input.empty()),

@@ -48,7 +48,9 @@ struct Options {
   bool quiet() const { return benchmark.format == "json" || benchmark.format == "csv"; }
 };
 
-/// The options, or the exit status if the program ends here (--help). Throws UsageError naming the bad flag.
-std::variant<Options, int> parse_command_line(const std::string& task, int argc, const char* const* argv);
+/// The options, or the exit status if the program ends here (--help); `own` are the task's own flags. Throws
+/// UsageError naming the bad flag.
+std::variant<Options, int> parse_command_line(const std::string& task, int argc, const char* const* argv,
+                                              const std::vector<TaskFlag>& own = {});
 
 }  // namespace treeline::bench

@@ -237,9 +237,11 @@ int Program::run_advice() {
     all_met = all_met && advice.chosen;
     const std::string input =
         input_ ? "--input " + shell_word(options_.input) : "--dataset " + specs[k].label();
-    const std::string again =
-        fmt::format("{} {} --seed {} --threads {} --benchmark_filter='%FILTER%'",
-                    shell_word(options_.program), input, options_.context.seed, options_.context.threads);
+    std::string own;
+    for (const auto& [flag, value] : options_.context.own) own += " " + flag + " " + shell_word(value);
+    const std::string again = fmt::format("{} {}{} --seed {} --threads {} --benchmark_filter='%FILTER%'",
+                                          shell_word(options_.program), input, own, options_.context.seed,
+                                          options_.context.threads);
     fmt::print(options_.quiet() ? stderr : stdout, "{}",
                format_advice(advice, *options_.advise, again) +
                    (input_ ? format_rounding(*input_, block->in_double()) : "") + format_busy(rows));
@@ -292,8 +294,13 @@ int Program::finish() const {
 int run_program(const Task& task, int argc, char** argv) {
   const std::string name = "bench_" + task.name();
   try {
-    auto parsed = parse_command_line(task.name(), argc, argv);
+    auto parsed = parse_command_line(task.name(), argc, argv, task.flags());
     if (const int* status = std::get_if<int>(&parsed)) return *status;
+    try {
+      task.check_flags(std::get<Options>(parsed).context);
+    } catch (const std::exception& e) {
+      throw UsageError(e.what());
+    }
     return Program(task, std::move(std::get<Options>(parsed))).run();
   } catch (const UsageError& e) {
     fmt::print(stderr, "{}: {}\n", name, e.what());

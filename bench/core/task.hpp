@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -105,7 +106,14 @@ struct RunContext {
   Profile profile = Profile::quick;
   std::uint64_t seed = 1;
   int threads = 1;
-  std::string truth_cache;  // folder for cached truths; empty: no cache
+  std::string truth_cache;                   // folder for cached truths; empty: no cache
+  std::map<std::string, std::string> own{};  // values of the task's own flags (Task::flags) that were given
+};
+
+/// A flag that only one task has; it takes a value, and the task makes sense of it.
+struct TaskFlag {
+  std::string name;  // with its dashes, e.g. "--light"
+  std::string help;
 };
 
 class Task {
@@ -122,6 +130,10 @@ class Task {
   /// What --scaling measures at 1, 2, 4, … threads: enough queries to share out. Names of query sets end in
   /// "_threads", so that nothing takes them for those of an ordinary block.
   virtual std::vector<BlockSpec> scaling_blocks(Profile) const { return {}; }
+  /// What it understands on the command line beyond what all tasks do.
+  virtual std::vector<TaskFlag> flags() const { return {}; }
+  /// Throws with the reason if it cannot use the values of its own flags; asked before anything is done.
+  virtual void check_flags(const RunContext&) const {}
   /// The recipes that --dataset accepts.
   virtual datasets::Kind dataset_kind() const = 0;
   virtual std::unique_ptr<Block> open(const BlockSpec&, const RunContext&) const = 0;

@@ -23,13 +23,19 @@ concept ShadowMethod = requires(const M& m, const Receiver& r) {
   { m.bytes() } -> std::same_as<std::size_t>;  ///< of the maps that a query reads
 };
 
+namespace detail {
+inline void check_room(std::size_t receivers, std::size_t answers) {
+  if (receivers != answers)
+    throw InvalidScene("there are " + std::to_string(receivers) + " receivers and room for " +
+                       std::to_string(answers) + " answers");
+}
+}  // namespace detail
+
 /// The visibility of each receiver, in their order; the answers do not depend on `threads`. Throws
 /// InvalidScene if `out` is not as long as the receivers, accel::InvalidInput for threads < 1.
 template <ShadowMethod M>
 void shade(const M& method, std::span<const Receiver> receivers, int threads, std::span<float> out) {
-  if (out.size() != receivers.size())
-    throw InvalidScene("there are " + std::to_string(receivers.size()) + " receivers and room for " +
-                       std::to_string(out.size()) + " answers");
+  detail::check_room(receivers.size(), out.size());
   accel::parallel_ranges(receivers.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) out[i] = method.visibility(receivers[i]);
   });

@@ -269,7 +269,7 @@ TEST(AreaRays, BatchesThreadsAndTreesAgree) {
     apart += std::abs(one[i] - slow[i]);
   }
   EXPECT_LT(apart / double(receivers.size()), 1e-3);  // their ray tests differ by rounding
-  EXPECT_THROW(rays.visibility(receivers, std::span(one).first(3)), accel::InvalidInput);
+  EXPECT_THROW(rays.visibility(receivers, std::span(one).first(3)), InvalidScene);
 }
 
 // A convex body never hides the light from its own lit side, at whatever size and place.

@@ -38,4 +38,40 @@ inline void add_disc(Mesh3f& mesh, const Vec3d& middle, const Vec3d& u, const Ve
   }
 }
 
+inline void append(Mesh3f& mesh, const Mesh3f& other) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  for (auto face : other.faces) {
+    for (auto& v : face) v += first;
+    mesh.faces.push_back(face);
+  }
+}
+
+/// What the camera sees through the middle of each pixel, row after row; where it sees nothing, a receiver
+/// without a normal, just before the camera.
+template <class Tree>
+std::vector<shadow::Receiver> seen_by_camera(const Scene& scene, const Tree& tree) {
+  const Camera& c = scene.camera;
+  const Vec3d ahead = normalized(c.target - c.position), right = normalized(cross(ahead, c.up)),
+              up = cross(right, ahead);
+  const double half = std::tan(c.height_angle / 2);
+  std::vector<shadow::Receiver> receivers;
+  for (int y = 0; y < c.height; ++y)
+    for (int x = 0; x < c.width; ++x) {
+      const Vec3d way = ahead + right * (half * (2 * x + 1 - c.width) / c.height) +
+                        up * (half * (c.height - 2 * y - 1) / c.height);
+      const auto hit = tree.closest_hit(geometry::Rayf{Vec3f(c.position), Vec3f(way)});
+      if (!hit) {
+        receivers.push_back({c.position + way * 1e-3, {}});
+        continue;
+      }
+      const geometry::Triangle3d t(scene.mesh.triangle(hit.primitive));
+      const double u = double(hit.u), v = double(hit.v);
+      Vec3d normal = normalized(t.area_normal());
+      if (dot(normal, way) > 0) normal = -normal;
+      receivers.push_back({t.a * (1 - u - v) + t.b * u + t.c * v, normal});
+    }
+  return receivers;
+}
+
 }  // namespace treeline::shading::test

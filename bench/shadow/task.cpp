@@ -1,0 +1,137 @@
+#include "bench/shadow/task.hpp"
+
+#include <stdexcept>
+
+#include "bench/shadow/closed_form.hpp"
+#include "datasets_gen/scenes/light.hpp"
+#include "datasets_gen/scenes/scene.hpp"
+
+namespace treeline::bench::shadow {
+namespace {
+
+constexpr int frames = 5;  // of the set `motion`
+
+struct Size {
+  int width, height;
+};
+Size image_size(Profile profile) {
+  switch (profile) {
+    case Profile::smoke:
+      return {48, 36};
+    case Profile::quick:
+      return {160, 120};
+    case Profile::full:
+      break;
+  }
+  return {640, 480};
+}
+
+TruthOptions truth_options(Profile profile, std::uint64_t seed) {
+  TruthOptions o;
+  o.seed = seed;
+  if (profile == Profile::smoke) o.most = 64;
+  if (profile == Profile::full) o.most = 4096;
+  return o;
+}
+
+/// Known shadows as a formula; empty if they are not known.
+LightForm form_of(const datasets::KnownShadows& known) {
+  if (known.all_lit) return [](const shading::Light&, const Receiver&) { return 1.0; };
+  if (known.blockers.empty()) return {};
+  return [blockers = known.blockers](const shading::Light& light, const Receiver& r) {
+    return visible_past(blockers, light, r.position);
+  };
+}
+
+void take_scene(BlockInput& input, datasets::Dataset&& dataset, const RunContext& context, int version) {
+  if (const auto given = context.own.find("--light"); given != context.own.end())
+    dataset.scene.light = datasets::parse_light(given->second);
+  input.dataset_hash = dataset.hash(), input.seed = dataset.seed;
+  input.scene = std::move(dataset.scene);
+  input.truth_cache = context.truth_cache, input.version = version;
+}
+
+}  // namespace
+
+ShadowTask::ShadowTask() : RegisteredTask(TREELINE_TASK_METHODS, TREELINE_TASK_NOT_BUILT) {}
+
+std::vector<TaskFlag> ShadowTask::flags() const {
+  return {{"--light", std::string("Another light for the scene: ") + datasets::light_syntax}};
+}
+
+void ShadowTask::check_flags(const RunContext& context) const {
+  if (const auto given = context.own.find("--light"); given != context.own.end()) try {
+      datasets::parse_light(given->second);
+    } catch (const std::exception& e) {
+      throw std::invalid_argument("--light " + given->second + ": " + e.what());
+    }
+}
+
+std::vector<BlockSpec> ShadowTask::blocks(Profile profile) const {
+  if (profile == Profile::smoke) return {{"half_plane_edge", 100}};
+  std::vector<BlockSpec> out{{"half_plane_edge", 200},
+                             {"sphere_over_floor", 5'000},
+                             {"wall_on_floor", 200},
+                             {"slab_and_sheet", 200},
+                             {"two_stacked", 200},
+                             {"three_layers", 200},
+                             {"slit", 200},
+                             {"picket_fence", 2'000},
+                             {"leaves", 100'000},
+                             {"city", 20'000},
+                             {"open_casters", 500}};
+  if (profile == Profile::full) {
+    out.push_back({"leaves", 1'000'000});
+    out.push_back({"city", 200'000});
+  }
+  return out;
+}
+
+std::vector<BlockSpec> ShadowTask::hard_blocks() const {
+  std::vector<BlockSpec> out;
+  for (const auto& c : datasets::hard_shadows()) out.push_back({c.name, c.scene.mesh.size(), true});
+  return out;
+}
+
+std::unique_ptr<Block> ShadowTask::open(const BlockSpec& spec, const RunContext& context) const {
+  if (!spec.hard) return open(datasets::generate(spec.dataset, spec.n, context.seed), context);
+  for (datasets::HardShadow& c : datasets::hard_shadows()) {
+    if (c.name != spec.dataset) continue;
+    datasets::Dataset dataset;
+    dataset.kind = datasets::Kind::scene, dataset.seed = context.seed, dataset.scene = std::move(c.scene);
+    BlockInput input;
+    take_scene(input, std::move(dataset), {.seed = context.seed, .truth_cache = context.truth_cache},
+               version());
+    input.closed_form = form_of(c.known), input.lines = c.known.lines, input.frames = c.frames;
+    input.truth = truth_options(Profile::quick, context.seed);
+    input.must_answer = c.expect == datasets::Expect::answers;
+    auto block = std::make_unique<ShadowBlock>(registered(), std::move(input));
+    block->find_truth();  // once, for all the children
+    return block;
+  }
+  throw std::invalid_argument("no hard case for shadows is called '" + spec.dataset + "'");
+}
+
+std::unique_ptr<Block> ShadowTask::open(datasets::Dataset dataset, const RunContext& context) const {
+  if (dataset.kind != datasets::Kind::scene || dataset.scene.mesh.faces.empty())
+    throw std::invalid_argument("'" + dataset.name +
+                                "' is no scene with triangles; the task shadow needs one");
+  const Size size = image_size(context.profile);
+  dataset.scene.camera.width = size.width, dataset.scene.camera.height = size.height;
+  BlockInput input;
+  const std::string name = dataset.scene.name;
+  take_scene(input, std::move(dataset), context, version());
+  if (datasets::is_scene(name)) {  // not a user's mesh, whatever the name of its file
+    const datasets::KnownShadows known = datasets::known_shadows(name);
+    if (!context.own.contains("--light")) input.closed_form = form_of(known), input.lines = known.lines;
+    if (name.starts_with("half_plane_edge")) input.frames = frames;
+  }
+  input.truth = truth_options(context.profile, context.seed);
+  input.threads = context.threads;
+  input.quick = context.profile == Profile::quick;
+  return std::make_unique<ShadowBlock>(registered(), std::move(input));
+}
+
+void ShadowTask::pictures(const BlockSpec&, const RunContext&, const std::string&) const {}
+
+}  // namespace treeline::bench::shadow
