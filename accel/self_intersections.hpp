@@ -1,14 +1,15 @@
 // Which faces of a mesh run through each other, decided exactly.
 //
 // Problem: inside and outside have no meaning where a surface crosses itself, and files do not tell. Method:
-// a binary BVH over the faces; each face asks it for those of later faces whose boxes meet its own, and the
-// exact predicate decides (geometry/exact/triangle_triangle.hpp has its convention: faces that share corners
-// or an edge cross only where they meet beyond those). Cost: O(n log n) and the pairs of boxes that overlap,
-// some ten a face on a surface. Known weakness: n faces on one spot are n² pairs; of equal faces, ask about
-// one.
+// a binary BVH over the faces; each face asks it for those of smaller faces whose boxes meet its own, are not
+// on one side of its plane and not beside it, and the exact predicate decides
+// (geometry/exact/triangle_triangle.hpp has its convention: faces that share corners or an edge cross only
+// where they meet beyond those). Cost: O(n log n) and the pairs of boxes that overlap, some ten a face on a
+// surface. Known weakness: n faces on one spot are n² pairs; of equal faces, ask about one.
 #pragma once
 
 #include <mutex>
+#include <optional>
 
 #include "accel/batch.hpp"
 #include "accel/bvh/build_triangles.hpp"
@@ -61,6 +62,56 @@ class FarFromPlane {
   geometry::Vec3d origin_, normal_, slack_;
 };
 
+/// Whether a box lies beside a triangle for certain, seen along an axis: long thin triangles across the axes
+/// have large boxes that they hardly fill, and planes that say nothing of where in them they lie. The other
+/// nine axes of the test by separating axes (Akenine-Moller 2001).
+class FarFromEdges {
+ public:
+  explicit FarFromEdges(const geometry::Triangle3f& t) : origin_(t.a) {
+    const geometry::Vec3d corner[3] = {{}, geometry::Vec3d(t.b) - origin_, geometry::Vec3d(t.c) - origin_};
+    for (int axis = 0; axis < 3; ++axis)
+      for (int i = 0; i < 3; ++i) {
+        const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+        Side& s = side_[axis][i];
+        const geometry::Vec3d &from = corner[i], along = corner[(i + 1) % 3] - from,
+                              across = corner[(i + 2) % 3] - from;
+        s.u = along[v], s.v = -along[u];
+        const double start = s.u * from[u] + s.v * from[v], width = s.u * across[u] + s.v * across[v];
+        s.least = start + std::min(width, 0.0), s.most = start + std::max(width, 0.0);
+        s.slack = error * (std::abs(s.u) * (std::abs(from[u]) + std::abs(across[u])) +
+                           std::abs(s.v) * (std::abs(from[v]) + std::abs(across[v])));
+      }
+  }
+  bool operator()(const geometry::Box3f& box) const {
+    double centre[3], half[3];
+    for (int k = 0; k < 3; ++k) {
+      const double low = double(box.low[k]) - origin_[k], high = double(box.high[k]) - origin_[k];
+      centre[k] = 0.5 * (low + high), half[k] = 0.5 * (high - low);
+    }
+    for (int axis = 0; axis < 3; ++axis)
+      for (const Side& s : side_[axis]) {
+        const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+        const double middle = s.u * centre[u] + s.v * centre[v];
+        const double reach = std::abs(s.u) * half[u] + std::abs(s.v) * half[v];
+        const double slack = s.slack + error * (std::abs(s.u) * (std::abs(centre[u]) + half[u]) +
+                                                std::abs(s.v) * (std::abs(centre[v]) + half[v]));
+        if (middle - reach > s.most + slack || middle + reach < s.least - slack) return true;
+      }
+    return false;
+  }
+
+ private:
+  /// Across an edge, in the plane of the other two axes: where the triangle lies.
+  struct Side {
+    double u, v, least, most, slack;
+  };
+  // Roundings of a term: 3 of the edge, 3 of the corner or box, 5 of the product and the sums.
+  static constexpr double error = 32 * 0x1p-53;
+
+  geometry::Vec3d origin_;
+  Side side_[3][3];
+};
+
 }  // namespace detail
 
 /// Among the given faces of a mesh. Throws InvalidInput for a face with a corner that is not there or not
@@ -94,13 +145,29 @@ inline SelfIntersections self_intersections(const geometry::Mesh3f& mesh,
     const geometry::Vec3f sides = set.items[i].triangle.box().extent();
     size[i] = std::ilogb(sides[0] + sides[1] + sides[2]);
   }
+  // The least size below each child: what holds larger ones alone need not be entered. Nodes come before
+  // those below them.
+  std::vector<std::array<int, 2>> least(tree.nodes.size());
+  for (std::size_t n = least.size(); n-- > 0;)
+    for (std::size_t side = 0; side < 2; ++side) {
+      const BvhChild<float>& child = tree.nodes[n].child[side];
+      least[n][side] = child.count == 0
+                           ? std::min(least[child.first][0], least[child.first][1])
+                           : *std::min_element(&size[child.first], &size[child.first] + child.count);
+    }
 
   std::mutex mutex;
   parallel_ranges(triangles.size(), options.threads, [&](std::size_t begin, std::size_t end) {
     SelfIntersections mine;
     for (std::size_t i = begin; i < end; ++i) {
       const geometry::Box3f box = set.items[i].triangle.box();
-      const detail::FarFromPlane far(set.items[i].triangle);
+      const detail::FarFromPlane far_from_plane(set.items[i].triangle);
+      std::optional<detail::FarFromEdges> far_from_edges;  // where there is much to keep away from
+      const auto far = [&](const geometry::Box3f& other) {
+        return far_from_plane(other) || (far_from_edges && (*far_from_edges)(other));
+      };
+      constexpr int many = 64;
+      int visited = 0;
       const auto try_leaf = [&](const BvhChild<float>& leaf) {
         for (std::size_t j = leaf.first; j < leaf.first + leaf.count; ++j) {
           if (size[j] > size[i] || (size[j] == size[i] && j <= i)) continue;  // that one asks
@@ -124,8 +191,10 @@ inline SelfIntersections self_intersections(const geometry::Mesh3f& mesh,
       };
       enter(tree.root);
       while (n > 0) {
-        const BvhNode<float>& node = tree.nodes[open[--n]];
-        enter(node.child[0]), enter(node.child[1]);
+        const std::uint32_t at = open[--n];
+        if (++visited == many) far_from_edges.emplace(set.items[i].triangle);
+        for (std::size_t side = 0; side < 2; ++side)
+          if (least[at][side] <= size[i]) enter(tree.nodes[at].child[side]);
       }
       if (mine.pairs.size() > 2 * options.kept + 64) {
         std::ranges::sort(mine.pairs);
