@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "bench/core/refusal.hpp"
 #include "bench/core/truth_cache.hpp"
+#include "bench/shadow/figures.hpp"
 #include "bench/shadow/judge.hpp"
 #include "bench/shadow/lights.hpp"
 #include "shading/shadow/light_view.hpp"
@@ -224,7 +226,8 @@ const std::vector<Truth>& ShadowBlock::truth_of(std::size_t query_set) {
   return set.truth;
 }
 
-Errors ShadowBlock::check(std::size_t m, const Subject& subject, std::size_t query_set, const Knobs&) {
+Errors ShadowBlock::check(std::size_t m, const Subject& subject, std::size_t query_set,
+                          const Knobs& query_knobs) {
   const auto& made = dynamic_cast<const Made&>(subject);
   if (!made.refusal.empty()) return refused_wrongly(made.refusal);
   const Set& set = sets_[query_set];
@@ -241,6 +244,9 @@ Errors ShadowBlock::check(std::size_t m, const Subject& subject, std::size_t que
                  ", true is " + std::to_string(truth.visibility[*i]) + " there and all around it";
     }
   if (set.line) note_line(*set.line, made, truth, e.extra);
+  if (const auto figure = figure_of(input_.scene, query_sets_[query_set].name, methods_[m].info.name,
+                                    made.build_knobs(), query_knobs))
+    e.extra["shadow_figure"] = figure->field, e.extra["shadow_figure_value"] = figure->value;
   e.extra.update(made.facts());
   return e;
 }
@@ -249,6 +255,11 @@ void ShadowBlock::note_line(const datasets::ReceiverLine& line, const Subject& s
                             Knobs& extra) const {
   const auto& made = dynamic_cast<const Made&>(subject);
   const double length = distance(line.from, line.to);
+  double sum = 0;
+  std::set<float> levels;
+  for (const float a : made.answers) sum += double(a), levels.insert(a);
+  extra["shadow_answered"] = sum / double(std::max<std::size_t>(made.answers.size(), 1));
+  extra["shadow_levels"] = levels.size();
   if (line.name == "edge") note_width(made.answers, truth.visibility, length, extra);
   if (line.name != "contact") return;
   double texel = 0;

@@ -13,25 +13,6 @@ constexpr std::size_t faces = 200;      // of the scenes with a name: they are f
 constexpr int columns = 96, rows = 72;  // of their images
 constexpr double behind_foot = 1e-3;    // metres: a receiver at the very foot is in the blocker's plane
 
-/// The numbers after a scene's name, or the defaults.
-std::vector<double> knobs_of(const std::string& scene, const std::string& name) {
-  std::vector<double> out;
-  for (const SceneRecipe& recipe : scene_recipes())
-    if (recipe.name == name)
-      for (const SceneKnob& knob : recipe.knobs) out.push_back(knob.value);
-  std::size_t at = name.size();
-  for (double& value : out) {
-    if (at >= scene.size()) break;
-    const std::size_t end = std::min(scene.find('_', at + 1), scene.size());
-    value = std::stod(scene.substr(at + 1, end - at - 1));
-    at = end;
-  }
-  return out;
-}
-bool is(const std::string& scene, const std::string& name) {
-  return scene == name || scene.starts_with(name + "_");
-}
-
 /// Seen from above, a square of side 2 h of the floor fills the image.
 shading::Camera from_above(double h, double height) {
   shading::Camera c;
@@ -157,25 +138,44 @@ void add_volumes(std::vector<HardShadow>& all) {
 
 }  // namespace
 
+bool is_scene_of(const std::string& scene, const std::string& name) {
+  return scene == name || scene.starts_with(name + "_");
+}
+
+std::vector<double> scene_knobs(const std::string& scene, const std::string& name) {
+  std::vector<double> out;
+  for (const SceneRecipe& recipe : scene_recipes())
+    if (recipe.name == name)
+      for (const SceneKnob& knob : recipe.knobs) out.push_back(knob.value);
+  std::size_t at = name.size();
+  for (double& value : out) {
+    if (at >= scene.size()) break;
+    const std::size_t end = std::min(scene.find('_', at + 1), scene.size());
+    value = std::stod(scene.substr(at + 1, end - at - 1));
+    at = end;
+  }
+  return out;
+}
+
 KnownShadows known_shadows(const std::string& scene) {
   KnownShadows k;
-  if (is(scene, "tilted_plane")) k.all_lit = true;
-  if (is(scene, "half_plane_edge")) {
-    const auto knobs = knobs_of(scene, "half_plane_edge");
+  if (is_scene_of(scene, "tilted_plane")) k.all_lit = true;
+  if (is_scene_of(scene, "half_plane_edge")) {
+    const auto knobs = scene_knobs(scene, "half_plane_edge");
     k.blockers.planes.push_back({{0, knobs[0], 0}, {0, 0, 1}, {-1, 0, 0}});
     const double w = knobs[1] * knobs[0] / (4 - knobs[0]), reach = 1.5 * w + 0.05;
     k.lines.push_back({"edge", {-reach, 0, 0}, {reach, 0, 0.2}});
   }
-  if (is(scene, "slit")) {
-    const double half = 0.5 * knobs_of(scene, "slit")[0];
+  if (is_scene_of(scene, "slit")) {
+    const double half = 0.5 * scene_knobs(scene, "slit")[0];
     k.blockers.planes = {{{-half, 2, 0}, {0, 0, 1}, {-1, 0, 0}}, {{half, 2, 0}, {0, 0, 1}, {1, 0, 0}}};
   }
-  if (is(scene, "wall_on_floor")) {
-    const double half = 0.5 * knobs_of(scene, "wall_on_floor")[0];
+  if (is_scene_of(scene, "wall_on_floor")) {
+    const double half = 0.5 * scene_knobs(scene, "wall_on_floor")[0];
     k.lines.push_back({"contact", {half + behind_foot, 0, 0}, {half + 0.5, 0, 0.1}});
   }
-  if (is(scene, "two_stacked")) k.lines.push_back({"leak", {-1.5, 0, 0.1}, {0.9, 0, -0.1}});
-  if (is(scene, "three_layers")) k.lines.push_back({"leak", {-1, 0, -0.9}, {1, 0, 0.9}});
+  if (is_scene_of(scene, "two_stacked")) k.lines.push_back({"leak", {-1.5, 0, 0.1}, {0.9, 0, -0.1}});
+  if (is_scene_of(scene, "three_layers")) k.lines.push_back({"leak", {-1, 0, -0.9}, {1, 0, 0.9}});
   return k;
 }
 
