@@ -276,11 +276,12 @@ TEST(ShadowProgram, FiguresOfTheory) {
     if (!row.contains("shadow_figure")) continue;
     const std::string field = row["shadow_figure"];
     const double is = row[field].get<double>(), should = row["shadow_figure_value"].get<double>();
-    if (field == "shadow_false_dark") EXPECT_NEAR(is, should, 0.02) << row, ++acne;
-    if (field == "shadow_gap") EXPECT_NEAR(is, should, 0.02) << row, ++gaps;
-    if (field == "shadow_max") EXPECT_NEAR(is, should, 0.1 * should) << row, ++leaks;
+    const bool is_acne = field == "shadow_false_dark", is_gap = field == "shadow_gap";
+    acne += is_acne, gaps += is_gap, leaks += field == "shadow_max";
+    EXPECT_NEAR(is, should, is_acne || is_gap ? 0.02 : 0.1 * should) << row;
   }
   EXPECT_GE(acne, 9u);
+  EXPECT_GE(gaps, 1u);
   EXPECT_GE(leaks, 3u);
 }
 
