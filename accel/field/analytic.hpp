@@ -4,7 +4,8 @@
 // distance is exact outside and a lower bound in magnitude inside, of a difference it is a lower bound
 // everywhere: sample() says so. Sources: Hart 1996 for the shapes and why min and max keep the Lipschitz
 // constant of 1; Quilez 2008 for the polynomial smooth minimum. Cost: tens of operations. Known weakness: a
-// smooth union is a shape of its own, larger than the union by up to a quarter of the blend's width.
+// smooth union is a shape of its own, larger than the union by up to a quarter of the blend's width; of
+// sampled fields, it is only right where both are known: the blend should be narrower than their bands.
 #pragma once
 
 #include <algorithm>
@@ -135,6 +136,22 @@ struct Difference {
 template <DistanceField A, DistanceField B>
 Difference(A, B) -> Difference<A, B>;
 
+namespace detail {
+
+/// What a sample leaves open of the distance.
+struct Range {
+  double low, high;
+};
+inline Range range(const FieldSample& s) {
+  constexpr double any = 0x1p1000;  // beyond what a mesh can have, and finite
+  if (s.known) return {s.distance - s.error, s.distance + s.error};
+  const double least = s.clearance();
+  if (least > 0) return s.distance < 0 ? Range{-any, -least} : Range{least, any};
+  return {-any, any};
+}
+
+}  // namespace detail
+
 /// A union whose crease is filled where the two distances differ by less than `width` (> 0).
 template <DistanceField A, DistanceField B>
 struct SmoothUnion {
@@ -142,21 +159,26 @@ struct SmoothUnion {
   B b;
   double width = 0.1;
 
-  double distance(const Vec3d& p) const {
-    const double x = a.distance(p), y = b.distance(p), near = nearness(x, y);
-    return std::min(x, y) - 0.25 * width * near * near;
-  }
+  double distance(const Vec3d& p) const { return joined(a.distance(p), b.distance(p)); }
   Vec3d gradient(const Vec3d& p) const {
     const double x = a.distance(p), y = b.distance(p), share = 0.5 * nearness(x, y);  // of the farther one
     const Vec3d u = a.gradient(p), v = b.gradient(p);
     return x <= y ? u * (1 - share) + v * share : v * (1 - share) + u * share;
   }
+  /// It grows with either distance: from the least and the most that they can be follows what it is at least.
   FieldSample sample(const Vec3d& p) const {
-    return {distance(p), std::max(a.sample(p).error, b.sample(p).error), false};
+    const auto x = detail::range(a.sample(p)), y = detail::range(b.sample(p));
+    const double d = distance(p), low = joined(x.low, y.low), high = joined(x.high, y.high);
+    const double least = std::max({low, -high, 0.0});
+    return {d, std::max(std::abs(d) - least, 0.0), false};
   }
   double lipschitz() const { return std::max(a.lipschitz(), b.lipschitz()); }
 
  private:
+  double joined(double x, double y) const {
+    const double near = nearness(x, y);
+    return std::min(x, y) - 0.25 * width * near * near;
+  }
   double nearness(double x, double y) const { return std::max(width - std::abs(x - y), 0.0) / width; }
 };
 template <DistanceField A, DistanceField B>

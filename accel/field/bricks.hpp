@@ -33,20 +33,28 @@ struct BrickEntry {
 
 /// What the build found out about the mesh, and what became of it.
 struct FieldReport {
-  /// Every edge has as many faces that run one way as the other, by the positions of its ends: without that,
-  /// there is no inside, and neither signs nor bounds are certain.
+  /// Every edge has as many faces that run one way as the other, by the positions of its ends, and every face
+  /// is finite: without that, there is no inside, and neither signs nor bounds are certain.
   bool closed = true;
-  /// Pairs of neighbouring samples between which there is no surface, but which were put on different sides:
-  /// 0 for a closed and oriented mesh whose faces neither cross nor coincide. Where faces coincide (boxes
-  /// that touch) signs may be wrong without a conflict.
+  /// Closed, but of negative volume: its faces look inward, as a whole. What such a mesh goes around -1 times
+  /// is not inside, so that by the default policy all distances are positive: turn the faces, or give a
+  /// policy of your own. Of several parts, those that look outward have an inside all the same.
+  bool inside_out = false;
+  /// Pairs of neighbouring samples of two bricks between which there is no surface, but which were put on
+  /// different sides; within a brick what hangs together is given one side, so that there are none. By the
+  /// default policy 0 for every closed mesh, whatever touches or crosses. 0 alone is no proof: a policy may
+  /// be wrong about all of a region.
   std::size_t sign_conflicts = 0;
   std::array<int, 3> first_conflict{};  ///< the lower sample of the first such pair
+  /// Pieces of bricks and empty boxes whose side the policy could not tell; they were called outside.
+  std::size_t undecided_signs = 0;
   std::size_t kept_bricks = 0;
   std::size_t known_samples = 0;                         ///< distances, not bounds
   std::size_t distance_queries = 0, inside_queries = 0;  ///< asked while building
 
-  /// Whether the bounds on errors hold: they follow from distances being 1-Lipschitz with their sign.
-  bool certain() const { return closed && sign_conflicts == 0; }
+  /// Whether the bounds on errors hold: they follow from distances being 1-Lipschitz with their sign. With a
+  /// policy of one's own, as far as that can be relied on.
+  bool certain() const { return closed && sign_conflicts == 0 && undecided_signs == 0; }
 };
 
 /// What both kinds have in common.

@@ -9,8 +9,8 @@
 // Baerentzen and Sramek 2006 survey such builds). Two neighbours that are farther from the surface, together,
 // than from each other lie on one side; what hangs together so has its side decided once. Distances are those
 // to the triangle that the tree finds, in double. Cost: some 10 to 20 queries per brick face's worth of
-// surface, each a fraction of an ordinary one. Known weakness: the closedness of the mesh is a fingerprint,
-// which one open mesh in 2^64 shares.
+// surface, each a fraction of an ordinary one, and a ray for each piece of a brick that the surface cuts off.
+// Known weakness: that of closed_cycle.hpp.
 #pragma once
 
 #include <atomic>
@@ -19,35 +19,17 @@
 #include "accel/bvh/build_tasks.hpp"
 #include "accel/field/bound.hpp"
 #include "accel/field/bricks.hpp"
+#include "accel/field/closed_cycle.hpp"
 #include "accel/field/sign.hpp"
-#include "geometry/random.hpp"
 
 namespace treeline::accel::field {
-
-/// Whether at every edge as many faces run one way as the other. Edges go by the positions of their ends, so
-/// that a soup of triangles that fit is closed. Each directed edge adds a hash of its ends or takes it away;
-/// the sum over a closed, oriented mesh is 0, and over any other as good as never.
-inline bool is_closed_cycle(const geometry::Mesh3f& mesh) {
-  std::vector<std::uint64_t> of_vertex(mesh.vertices.size());
-  for (std::size_t v = 0; v < of_vertex.size(); ++v)
-    for (int k = 0; k < 3; ++k)
-      of_vertex[v] =
-          geometry::mix_bits(of_vertex[v] * 3 + std::bit_cast<std::uint32_t>(mesh.vertices[v][k] + 0.0f));
-  std::uint64_t sum = 0;
-  for (const auto& face : mesh.faces)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint64_t a = of_vertex[face[i]], b = of_vertex[face[(i + 1) % 3]];
-      if (a < b) sum += geometry::mix_bits(a ^ geometry::mix_bits(b));
-      if (b < a) sum -= geometry::mix_bits(b ^ geometry::mix_bits(a));
-    }
-  return sum == 0;
-}
 
 template <class S, class Tree, class Sign>
 class FieldBuilder {
  public:
   FieldBuilder(const geometry::Mesh3f& mesh, const Tree& tree, const Sign& sign, const FieldOptions& options)
       : mesh_(mesh), tree_(tree), sign_(sign), tasks_(options.threads), most_(options.max_bytes) {
+    check_input();
     for (const auto& face : mesh.faces)  // not the tree's: it may leave out what no ray hits
       if (const auto t =
               geometry::Triangle3f{mesh.vertices[face[0]], mesh.vertices[face[1]], mesh.vertices[face[2]]};
@@ -60,7 +42,11 @@ class FieldBuilder {
   }
 
   S operator()() && {
-    made_.report_.closed = is_closed_cycle(mesh_);
+    if constexpr (requires { sign_.closed(); })
+      made_.report_.closed = sign_.closed();
+    else
+      made_.report_.closed = is_closed_cycle(mesh_);
+    made_.report_.inside_out = made_.report_.closed && is_inside_out(mesh_);
     made_.table_.resize(made_.lattice_.brick_count());
     refuse(S::bytes_for(made_.lattice_, 0));
     tasks_.run([&] {
@@ -76,7 +62,7 @@ class FieldBuilder {
       bound_errors(made_, kept_at_, tasks_, made_.table_, made_.steepest_);
     });
     made_.report_.distance_queries = distance_queries_, made_.report_.inside_queries = inside_queries_;
-    made_.report_.known_samples = known_;
+    made_.report_.known_samples = known_, made_.report_.undecided_signs = undecided_;
     return std::move(made_);
   }
 
@@ -91,6 +77,15 @@ class FieldBuilder {
     bool known = false, inside = false;
   };
 
+  void check_input() const {
+    check_faces(mesh_);
+    if constexpr (Inspectable<Tree>) {
+      const TreeStats stats = tree_.stats();
+      if (stats.primitives + stats.dropped != mesh_.size())
+        throw InvalidInput("the tree is over " + std::to_string(stats.primitives + stats.dropped) +
+                           " faces, the mesh has " + std::to_string(mesh_.size()));
+    }
+  }
   void refuse(double bytes) const {
     const double table = double(made_.table_.size()) * sizeof(BrickEntry);
     refuse_bytes(bytes + table, most_, std::to_string(made_.table_.size()) + " bricks");
@@ -146,12 +141,19 @@ class FieldBuilder {
         }
   }
   BrickEntry empty_entry(bool inside, double least) const {
+    constexpr double most = std::numeric_limits<float>::max();
     return {inside ? BrickEntry::inside : BrickEntry::outside,
-            static_cast<float>((least - made_.widths_.rounding) * (1 - 0x1p-23)), 0};
+            static_cast<float>(std::min((least - made_.widths_.rounding) * (1 - 0x1p-23), most)), 0};
   }
   bool ask_inside(const Vec3d& p) {
     ++inside_queries_;
-    return sign_.inside(Vec3f(p));
+    if constexpr (DecidingPolicy<Sign>) {
+      const std::optional<bool> inside = sign_.decided(Vec3f(p));
+      undecided_ += !inside;
+      return inside.value_or(false);
+    } else {
+      return sign_.inside(Vec3f(p));
+    }
   }
 
   // ---- their samples ------------------------------------------------------------------------------------
@@ -285,9 +287,19 @@ class FieldBuilder {
     made_.settle(kept, kept_at_);
   }
 
-  /// Patches were chosen brick by brick: looks across the bricks' sides.
+  /// Patches were chosen brick by brick, and what is empty box by box: looks across the bricks' sides.
   void find_conflicts() {
     std::mutex mutex;
+    const Triple& end = made_.lattice_.bricks;
+    for (int z = 0; z < end[2]; ++z)
+      for (int y = 0; y < end[1]; ++y)
+        for (int x = 0; x < end[0]; ++x)
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            Triple next{x, y, z};
+            if (++next[axis] == end[axis]) continue;
+            const BrickEntry &a = made_.entry(x, y, z), &b = made_.entry(next[0], next[1], next[2]);
+            if (!a.kept() && !b.kept() && a.samples != b.samples) look_across({x, y, z}, axis, 1, mutex);
+          }
     tasks_.pieces(
         kept_at_.size(),
         [&](std::size_t begin, std::size_t end) {
@@ -331,7 +343,7 @@ class FieldBuilder {
   double link_ = 0;
   float far_ = 0;
   std::vector<Triple> kept_at_;
-  std::atomic<std::size_t> distance_queries_ = 0, inside_queries_ = 0, known_ = 0;
+  std::atomic<std::size_t> distance_queries_ = 0, inside_queries_ = 0, known_ = 0, undecided_ = 0;
 };
 
 /// Samples of the signed distance to a mesh: BrickSamples or DenseSamples. The tree is over the mesh's faces
@@ -342,10 +354,11 @@ S sample_mesh(const geometry::Mesh3f& mesh, const Tree& tree, const Sign& sign,
               const FieldOptions& options = {}) {
   return FieldBuilder<S, Tree, Sign>(mesh, tree, sign, options)();
 }
-/// By the facing of the nearest faces.
+/// By MeshSign: counted crossings where the mesh is closed, else the facing of the nearest faces.
 template <class S, ClosestPointIndex Tree>
 S sample_mesh(const geometry::Mesh3f& mesh, const Tree& tree, const FieldOptions& options = {}) {
-  return sample_mesh<S>(mesh, tree, Facing<Tree>(mesh, tree), options);
+  check(options);
+  return sample_mesh<S>(mesh, tree, MeshSign<Tree>(mesh, tree, options.threads), options);
 }
 
 }  // namespace treeline::accel::field

@@ -14,8 +14,9 @@ using geometry::Vec3f;
 /// The distance at a point and what is certain about it.
 struct FieldSample {
   double distance = 0;  ///< signed, negative inside; in units of the mesh
-  /// The true signed distance differs by no more. 0 where `known` is false: then |distance| is a lower bound
-  /// of the true one, and the sign is right.
+  /// The true signed distance differs by no more. Where `known` is false: |distance| - error, if positive, is
+  /// a lower bound of the true one, and the sign is then right. Samples that are not known have no error,
+  /// what is made of two fields has the larger one of theirs.
   double error = 0;
   bool known = true;
 

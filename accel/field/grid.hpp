@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -24,7 +26,9 @@ enum class Support { trilinear = 1, tricubic = 2 };
 struct FieldOptions {
   int resolution = 128;  ///< cells along the longest side of the mesh's box, at least 1
   double spacing = 0;    ///< side of a cell in units of the mesh; overrides the resolution where > 0
-  double band = 3;       ///< half width, in cells, of where distances are known; infinity: everywhere
+  /// Half width, in cells, of where distances are known. Infinity: everywhere within the lattice, which
+  /// reaches some 3 cells beyond the mesh's box; outside of it they are lower bounds all the same.
+  double band = 3;
   Support support = Support::tricubic;           ///< the widest look-up that answers in all of the band
   int threads = 1;                               ///< that build; the field does not depend on it
   std::size_t max_bytes = std::size_t{4} << 30;  ///< a field that would take more is refused
@@ -65,8 +69,14 @@ struct Widths {
   double rounding = 0;
 };
 
-/// Throws InvalidInput for options out of range, and for a lattice of more than 2^31 - 8 samples along an
-/// axis or whose table of bricks alone is more than max_bytes.
+/// For messages: a number of any size in few digits.
+inline std::string shown(double x) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%g", x);
+  return text.data();
+}
+
+/// Throws InvalidInput for options out of range.
 inline void check(const FieldOptions& o) {
   if (o.resolution < 1)
     throw InvalidInput("resolution is " + std::to_string(o.resolution) + "; it must be at least 1");
@@ -84,7 +94,9 @@ inline void refuse_bytes(double bytes, std::size_t most, const std::string& what
                        std::to_string(most));
 }
 
-/// The lattice for a mesh with this box (not empty), and the widths that go with it.
+/// The lattice for a mesh with this box (not empty), and the widths that go with it. Throws InvalidInput as
+/// check(), for a lattice that leaves single precision, and for one of more than 2^31 - 8 samples along an
+/// axis or whose table of bricks alone is more than max_bytes.
 inline std::pair<Lattice, Widths> lattice_around(const geometry::Box3d& box, const FieldOptions& o) {
   check(o);
   const Vec3d extent = box.extent();
@@ -94,7 +106,7 @@ inline std::pair<Lattice, Widths> lattice_around(const geometry::Box3d& box, con
   double reach = 0;
   for (int k = 0; k < 3; ++k) reach = std::max({reach, std::abs(box.low[k]), std::abs(box.high[k])});
   if (h < 0x1p-20 * reach)
-    throw InvalidInput("the largest coordinate is " + std::to_string(reach / h) +
+    throw InvalidInput("the largest coordinate is " + shown(reach / h) +
                        " cells: single precision has no room for more than 2^20");
 
   Lattice lattice;
@@ -106,6 +118,7 @@ inline std::pair<Lattice, Widths> lattice_around(const geometry::Box3d& box, con
   // Outside of the lattice nothing is known: it reaches beyond the band, by a look-up's support.
   const double pad = (bounded ? std::ceil(o.band) : 3) + support + 1;
   double count = 1;
+  const double largest = reach;
   for (int k = 0; k < 3; ++k) {
     const double cells = std::ceil(extent[k] / h) + 2 * pad + 1;
     const double bricks = std::ceil(cells / brick_side);
@@ -120,6 +133,9 @@ inline std::pair<Lattice, Widths> lattice_around(const geometry::Box3d& box, con
   for (int k = 0; k < 3; ++k)
     reach =
         std::max({reach, std::abs(lattice.origin[k]), std::abs(lattice.origin[k] + h * lattice.samples(k))});
+  if (!(reach <= double(std::numeric_limits<float>::max())))
+    throw InvalidInput("the mesh's largest coordinate is " + shown(largest) + ", the spacing " + shown(h) +
+                       ": samples would lie at " + shown(reach) + ", beyond single precision");
   Widths widths;
   widths.rounding = geometry::tolerance::sample_slack<float> * reach;
   widths.band = bounded ? o.band * h : std::numeric_limits<double>::infinity();

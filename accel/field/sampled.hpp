@@ -2,9 +2,9 @@
 //
 // Tricubic: Catmull and Rom's spline along each axis, through the samples; its error falls with the third
 // power of the spacing where the distance is smooth, the trilinear one's with the second. At the edges and
-// the medial axis of a shape, where distances have a kink, both are off by up to a third of a cell. Between
-// known samples an error has a bound (bound.hpp); elsewhere the answer is a lower bound on the distance,
-// which jumps from brick to brick. Cost: 8 or 64 samples, of up to 8 bricks. Memory: a reference.
+// the medial axis of a shape, where distances have a kink, both are off by up to some two fifths of a cell.
+// Between known samples an error has a bound (bound.hpp); elsewhere the answer is a lower bound on the
+// distance, which jumps from brick to brick. Cost: 8 or 64 samples, of up to 8 bricks. Memory: a reference.
 #pragma once
 
 #include "accel/field/bricks.hpp"
@@ -155,8 +155,16 @@ class SampledField {
     return r;
   }
   FieldSample outside(const Vec3d& p) const {
-    const double sum = p[0] + p[1] + p[2];
-    return {std::isnan(sum) ? sum : std::sqrt(distance2(p, samples_->bounds())), 0, false};
+    const double d = std::sqrt(distance2(p, samples_->bounds()));
+    return {d <= std::numeric_limits<double>::max() ? d : far_outside(p), 0, false};
+  }
+  /// Where the square overflows, or p is not finite.
+  [[gnu::noinline, gnu::cold]] double far_outside(const Vec3d& p) const {
+    for (int k = 0; k < 3; ++k)
+      if (std::isnan(p[k])) return p[k];
+    const Vec3d gap = max(max(samples_->bounds().low - p, p - samples_->bounds().high), Vec3d{});
+    if (!is_finite(p)) return std::numeric_limits<double>::infinity();
+    return std::min(std::hypot(gap[0], gap[1], gap[2]) * (1 - 0x1p-50), std::numeric_limits<double>::max());
   }
   FieldSample in_empty(const Vec3d& p, const BrickEntry& e, int x, int y, int z) const {
     const Vec3d middle = samples_->lattice().cells_of({x, y, z}, {x + 1, y + 1, z + 1}).centre();

@@ -43,10 +43,12 @@ struct Trace {
   bool doubtful = false;
 };
 
-/// The first meeting in [t_min, t_max], from outside or from inside. Throws InvalidInput for a ray or options
-/// that are none, and for an endless ray where the field has no bounds().
+/// The first meeting in [t_min, t_max], from outside or from inside; the direction may be of any length.
+/// Throws InvalidInput for a ray or options that are none; for a ray without beginning or end where the field
+/// has no bounds(); for one whose origin or start lies beyond 2^500, where squared distances overflow; and
+/// where the t of a hit does.
 template <DistanceField Field>
-Trace sphere_trace(const Field& field, const geometry::Rayd& ray, const TraceOptions& options = {});
+Trace sphere_trace(const Field& field, const geometry::Rayd& given, const TraceOptions& options = {});
 
 namespace detail {
 
@@ -57,6 +59,29 @@ inline void check(const TraceOptions& o) {
     throw InvalidInput("relaxation is " + std::to_string(o.relaxation) + "; it must be in [1, 2)");
   if (!(o.tolerance > 0) || std::isinf(o.tolerance))
     throw InvalidInput("tolerance is " + std::to_string(o.tolerance) + "; it must be positive and finite");
+}
+
+/// The ray with its direction's largest component in [1, 2), so that no square of it overflows or vanishes;
+/// its t are those of the given one times 2^exponent.
+struct ScaledRay {
+  explicit ScaledRay(const geometry::Rayd& given) : ray(given) {
+    double largest = 0;
+    for (int k = 0; k < 3; ++k) largest = std::max(largest, std::abs(given.direction[k]));
+    exponent = std::ilogb(largest);
+    for (int k = 0; k < 3; ++k) ray.direction[k] = std::scalbn(given.direction[k], -exponent);
+    ray.t_min = std::scalbn(given.t_min, exponent), ray.t_max = std::scalbn(given.t_max, exponent);
+  }
+  double given_t(double t) const { return std::scalbn(t, -exponent); }
+
+  geometry::Rayd ray;
+  int exponent;
+};
+
+inline void check_near(const Vec3d& p, const char* what) {
+  for (int k = 0; k < 3; ++k)
+    if (!(std::abs(p[k]) <= 0x1p500))
+      throw InvalidInput(std::string("the ray's ") + what +
+                         " has a coordinate beyond 2^500, where squared distances overflow");
 }
 
 struct Reach {
@@ -87,8 +112,9 @@ Reach reach_of(const Field& field, const geometry::Rayd& ray) {
     const Vec3d slack = Vec3d::filled(reach * 0x1p-40);
     return within(ray, {box.low - slack, box.high + slack});
   } else {
-    if (!std::isfinite(ray.t_max))
-      throw InvalidInput("the ray's t_max is not finite, and the field has no bounds");
+    if (!std::isfinite(ray.t_min) || !std::isfinite(ray.t_max))
+      throw InvalidInput(std::string("the ray's ") + (std::isfinite(ray.t_min) ? "t_max" : "t_min") +
+                         ", times its direction, is not finite, and the field has no bounds");
     return {ray.t_min, ray.t_max};
   }
 }
@@ -96,14 +122,19 @@ Reach reach_of(const Field& field, const geometry::Rayd& ray) {
 }  // namespace detail
 
 template <DistanceField Field>
-Trace sphere_trace(const Field& field, const geometry::Rayd& ray, const TraceOptions& options) {
+Trace sphere_trace(const Field& field, const geometry::Rayd& given, const TraceOptions& options) {
   detail::check(options);
-  check_ray(ray);
+  check_ray(given);
+  detail::check_near(given.origin, "origin");
+  const detail::ScaledRay scaled(given);
+  const geometry::Rayd& ray = scaled.ray;
   const auto [begin, end] = detail::reach_of(field, ray);
   const double speed = length(ray.direction), steepness = field.lipschitz();
+  const double last_t = std::isfinite(given.t_max) ? given.t_max : scaled.given_t(end);
   Trace trace;
-  trace.t = std::isfinite(ray.t_max) ? ray.t_max : end;
+  trace.t = last_t;
   if (!(begin <= end)) return trace;
+  detail::check_near(ray.at(begin), "start");
 
   double side = 0;                          // of the start: 1 outside
   double last = 0, step = 0, free = begin;  // the ball before, the step from there, and that ball's border
@@ -122,6 +153,9 @@ Trace sphere_trace(const Field& field, const geometry::Rayd& ray, const TraceOpt
     near = clearance <= options.tolerance;
     if (height <= (near ? options.tolerance : 0) || (near && options.stop_at_doubt)) {
       trace.status = TraceStatus::hit, trace.doubtful = height > options.tolerance;
+      trace.t = scaled.given_t(trace.t);
+      if (!std::isfinite(trace.t))
+        throw InvalidInput("the ray's direction is so short that the t of its hit is not finite");
       return trace;
     }
     trace.doubtful |= near;
@@ -130,7 +164,7 @@ Trace sphere_trace(const Field& field, const geometry::Rayd& ray, const TraceOpt
     relaxation = options.relaxation;
     free = trace.t + last / speed;
     if (free >= end || trace.t >= end) {
-      trace.t = std::isfinite(ray.t_max) ? ray.t_max : end;
+      trace.t = last_t;
       return trace;
     }
     double next = trace.t + step / speed;
@@ -138,7 +172,7 @@ Trace sphere_trace(const Field& field, const geometry::Rayd& ray, const TraceOpt
     if (!(next > trace.t)) break;  // the step is lost in rounding
     trace.t = next;
   }
-  trace.status = TraceStatus::exhausted;
+  trace.status = TraceStatus::exhausted, trace.t = scaled.given_t(trace.t);
   return trace;
 }
 

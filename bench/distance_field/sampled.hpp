@@ -17,10 +17,27 @@ using WideTree = accel::Bvh<accel::Triangles<float>, accel::Wide>;
 using Tree =
     std::conditional_t<accel::ClosestPointIndex<WideTree>, WideTree, accel::Bvh<accel::Triangles<float>>>;
 
+inline Tree tree_of(const Input& input) {
+  Tree::Options options;
+  if constexpr (requires { options.threads; }) options.threads = input.threads;
+  return Tree(input.mesh, options);
+}
+inline accel::field::FieldOptions options_of(const Input& input, accel::field::Support support) {
+  accel::field::FieldOptions options;
+  options.spacing = input.spacing, options.band = input.band, options.threads = input.threads;
+  options.support = support;
+  return options;
+}
+
 template <class Samples, template <class> class LookUp>
 class Sampled final : public Field {
  public:
-  explicit Sampled(const Input& input) : samples_(make(input)), look_up_(samples_) {}
+  /// Of the look-up: how far its samples reach.
+  static constexpr auto support = std::is_same_v<LookUp<Samples>, accel::field::Tricubic<Samples>>
+                                      ? accel::field::Support::tricubic
+                                      : accel::field::Support::trilinear;
+
+  explicit Sampled(Samples samples) : samples_(std::move(samples)), look_up_(samples_) {}
 
   void distances(std::span<const geometry::Vec3f> points, const Knobs&, int threads,
                  std::span<float> out) const override {
@@ -74,28 +91,15 @@ class Sampled final : public Field {
       if (e.kept()) bound += double(cubic ? e.cubic_bound : e.bound);
     const auto bricks = static_cast<double>(std::max<std::size_t>(report.kept_bricks, 1));
     return {{"distance_field_told_closed", report.closed},
+            {"distance_field_told_inside_out", report.inside_out},
             {"distance_field_sign_conflicts", report.sign_conflicts},
+            {"distance_field_undecided_signs", report.undecided_signs},
             {"distance_field_known_samples", report.known_samples},
             {"distance_field_bound_cells", bound / bricks / samples_.lattice().spacing}};
   }
 
  private:
-  static constexpr bool cubic = std::is_same_v<LookUp<Samples>, accel::field::Tricubic<Samples>>;
-
-  static Samples make(const Input& input) {
-    accel::field::FieldOptions options;
-    options.spacing = input.spacing, options.band = input.band, options.threads = input.threads;
-    options.support = cubic ? accel::field::Support::tricubic : accel::field::Support::trilinear;
-    const Tree tree(input.mesh, tree_options<typename Tree::Options>(input.threads));
-    return accel::field::sample_mesh<Samples>(input.mesh, tree, options);
-  }
-
-  template <class Options>
-  static Options tree_options(int threads) {
-    Options options;
-    if constexpr (requires { options.threads; }) options.threads = threads;
-    return options;
-  }
+  static constexpr bool cubic = support == accel::field::Support::tricubic;
 
   Samples samples_;
   LookUp<Samples> look_up_;
@@ -112,7 +116,9 @@ bool register_sampled(const char* name, int ladder) {
                 .ladder = ladder,
                 .quick_builds = 3},
        .build = [](const Input& input, const Knobs&) -> std::unique_ptr<Field> {
-         return std::make_unique<Sampled<Samples, LookUp>>(input);
+         const Tree tree = tree_of(input);
+         return std::make_unique<Sampled<Samples, LookUp>>(accel::field::sample_mesh<Samples>(
+             input.mesh, tree, options_of(input, Sampled<Samples, LookUp>::support)));
        }});
 }
 

@@ -30,7 +30,8 @@ constexpr const char* of_rays[] = {"points_as_triangles",
                                    "nan_vertices",
                                    "box_at_random"};
 
-/// Of a damaged mesh, the mesh before: it tells the sides. Not where the damage moves them for good.
+/// Of a damaged mesh, the mesh before: it tells the sides. Empty where the damaged mesh is closed and tells
+/// its own.
 geometry::Mesh3f before_damage(const std::string& name, std::size_t n, std::uint64_t seed) {
   const std::size_t plus = name.find('+');
   if (plus == std::string::npos || name.ends_with("+inside_out") || name.ends_with("+nested")) return {};
@@ -89,7 +90,6 @@ std::unique_ptr<Block> DistanceFieldTask::open(const BlockSpec& spec, const RunC
   }
   input.dataset = datasets::generate(spec.dataset, spec.n, context.seed);
   input.whole = before_damage(spec.dataset, spec.n, context.seed);
-  if (spec.dataset.ends_with("+nested")) input.dataset.closed = false;  // its sides are no one's
   return open_block(registered(), std::move(input));
 }
 

@@ -13,7 +13,8 @@
 // in the band), sample_signs_wrong (their share, null where nothing tells sides); signs_wrong;
 // steps_mean, steps_max, exhausted, false_hits, false_misses, untold_misses (misses where there is a hit, and
 // the field did not say that it might be), and what the field tells of itself: known_samples, bound_cells
-// (the mean of its bricks' bounds on the error, in cells), told_closed, sign_conflicts. Truth: truth.hpp.
+// (the mean of its bricks' bounds on the error, in cells), told_closed, told_inside_out, sign_conflicts,
+// undecided_signs. Truth: truth.hpp.
 // Claims: bounded: an answer is off by no more than the field said it might be; a ray that missed a surface
 // was told to be doubtful, and one that hit is within the bound of one. approximate: none.
 #pragma once
@@ -27,7 +28,7 @@ class DistanceFieldTask final : public RegisteredTask<Method> {
  public:
   DistanceFieldTask();
   std::string name() const override { return "distance_field"; }
-  int version() const override { return 1; }
+  int version() const override { return 2; }
   std::vector<BlockSpec> blocks(Profile) const override;
   /// Damaged meshes, and those hard cases of the task ray that are closed or at least finite.
   std::vector<BlockSpec> hard_blocks() const override;

@@ -1,16 +1,17 @@
 #include "bench/distance_field/truth.hpp"
 
 #include <cmath>
+#include <optional>
 
 #include "accel/bvh/triangles.hpp"
+#include "geometry/exact/column_grid.hpp"
 
 namespace treeline::bench::distance_field {
 
-using Tree = accel::Bvh<accel::Triangles<double>>;
-
-struct Truth::Trees {
-  Tree faces;
-  std::unique_ptr<Tree> whole;
+struct Truth::Parts {
+  accel::Bvh<accel::Triangles<double>> faces;
+  geometry::Mesh3f whole;
+  std::optional<geometry::ColumnGrid> columns;  // over the whole mesh, if there is one
 };
 
 namespace {
@@ -25,18 +26,21 @@ geometry::Mesh3d in_double(const geometry::Mesh3f& mesh) {
 }  // namespace
 
 Truth::Truth(const geometry::Mesh3f& mesh, const geometry::Mesh3f* whole)
-    : trees_(new Trees{Tree(in_double(mesh)), nullptr}), has_sides_(whole != nullptr) {
-  if (whole != nullptr && whole != &mesh) trees_->whole = std::make_unique<Tree>(in_double(*whole));
+    : parts_(new Parts{accel::Bvh<accel::Triangles<double>>(in_double(mesh)), {}, {}}) {
+  if (whole == nullptr) return;
+  parts_->whole = *whole;
+  parts_->columns.emplace(parts_->whole);
 }
 Truth::~Truth() = default;
 
+bool Truth::has_sides() const { return parts_->columns.has_value(); }
+
 std::vector<double> Truth::distances(std::span<const geometry::Vec3d> points, int threads) const {
   std::vector<double> r(points.size());
-  const Tree& sides = trees_->whole ? *trees_->whole : trees_->faces;
   accel::parallel_ranges(points.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      r[i] = std::sqrt(trees_->faces.closest_point(points[i]).distance2);
-      if (has_sides_ && sides.contains(points[i])) r[i] = -r[i];
+      r[i] = std::sqrt(parts_->faces.closest_point(points[i]).distance2);
+      if (has_sides() && (*parts_->columns)(points[i]).winding > 0) r[i] = -r[i];
     }
   });
   return r;
@@ -47,7 +51,7 @@ std::vector<double> Truth::hits(std::span<const geometry::Rayf> rays, int thread
   accel::parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const geometry::Rayf& ray = rays[i];
-      r[i] = trees_->faces
+      r[i] = parts_->faces
                  .closest_hit(
                      {geometry::Vec3d(ray.origin), geometry::Vec3d(ray.direction), ray.t_min, ray.t_max})
                  .t;

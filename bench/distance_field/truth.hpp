@@ -1,7 +1,9 @@
 // What is true of a mesh: signed distances and first hits, by a tree in double over all faces.
 //
-// The side is that of the closed mesh: where the dataset is a damaged one, of the mesh before the damage. A
-// second witness, all faces one by one and the winding number, agrees in the tests.
+// Inside is what the mesh encloses more than 0 times, by the columns of faces above a point, counted exactly
+// (geometry/exact/column_grid.hpp): of shells that face the same way all within the outermost, of a mesh that
+// is inside out nothing. Where the dataset is a damaged one, the mesh before the damage tells. A second
+// witness, all faces one by one and sums of solid angles, agrees in the tests.
 #pragma once
 
 #include <memory>
@@ -19,16 +21,15 @@ class Truth {
   Truth(const geometry::Mesh3f& mesh, const geometry::Mesh3f* whole);
   ~Truth();
 
-  bool has_sides() const { return has_sides_; }
+  bool has_sides() const;
   /// Signed if there are sides, else not negative.
   std::vector<double> distances(std::span<const geometry::Vec3d> points, int threads) const;
   /// Infinite for a miss.
   std::vector<double> hits(std::span<const geometry::Rayf> rays, int threads) const;
 
  private:
-  struct Trees;
-  std::unique_ptr<Trees> trees_;
-  bool has_sides_;
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace treeline::bench::distance_field

@@ -1,7 +1,6 @@
 // The truth: the faces above a point, counted exactly.
 //
-// Method: column_crossing (geometry/exact/column.hpp) on every face whose shadow along z may hold the point;
-// a grid over the shadows finds these. A point is inside if the mesh winds around it, which for the meshes
+// Method: geometry/exact/column_grid.hpp. A point is inside if the mesh winds around it, which for the meshes
 // asked here is the same as an odd number of crossings. Cost: some microseconds a point. The tests hold it
 // against sums of solid angles, which share no step with it.
 #pragma once

@@ -1,26 +1,32 @@
-"""The card of the task distance_field: error, and time to build, against resolution. Each line is one configuration of
-a method but for its resolution."""
+"""The card of the task distance_field: error of look-ups and of the samples themselves, and time to build, against
+resolution. Each line is one method, by its best knobs at each resolution."""
 
 from bench.report import charts
+from bench.report.model import extra
 from bench.report.units import count
 
 alt = charts.alt
 
 CAPTION = """How far distances near the surface are off, and what the samples cost, against the cells along the mesh's
 longest side. Trilinear look-ups lose four times less with twice the resolution where the distance is smooth, tricubic ones
-more; at edges, on the medial axis and on a mesh's own facets both only halve it. A hollow mark is a peer; the line of a
-peer is its best look-up and its best knob at each resolution. Builds begin with the mesh: trees are part of them."""
+more; at edges, on the medial axis and on a mesh's own facets both only halve it. Samples: how far the
+distances that a field keeps in its band are off, whatever their sign. A hollow mark is a peer; the line of a method is its
+best knobs at each resolution. Builds begin with the mesh: trees are part of them."""
 
 
-def points(rows):
-    """[(row, resolution)]: of each method the least error at each resolution, on the set near."""
+def sample_error(row):
+    return extra(row, "sample_error_mean")
+
+
+def points(rows, value=lambda r: r.error):
+    """[(row, resolution)]: of each method the least value at each resolution, on the set near."""
     best = {}
     for r in rows:
         resolution = (r.build_knobs or {}).get("resolution")
-        if not resolution or r.query_set != "near" or r.error is None or r.status != "ok":
+        if not resolution or r.query_set != "near" or value(r) is None or r.status != "ok":
             continue
         key = r.method, resolution
-        if key not in best or (r.error, r.build_s or 0) < (best[key].error, best[key].build_s or 0):
+        if key not in best or (value(r), r.build_s or 0) < (value(best[key]), best[key].build_s or 0):
             best[key] = r
     return [(r, resolution) for (_, resolution), r in sorted(best.items(), key=lambda item: item[0])]
 
@@ -31,14 +37,19 @@ def figures(task, numbers, width, legend):
     out = []
     for dataset in task.datasets:
         size = max((r.size for r in rows if r.dataset == dataset), default=0)
-        found = points([r for r in rows if r.dataset == dataset and r.size == size])
+        here = [r for r in rows if r.dataset == dataset and r.size == size]
+        found = points(here)
         if len({resolution for _, resolution in found}) < 2:
             continue
         where = f"{dataset}, {count(size)} {task.text.element}s"
-        for what, title, value in (("error", "mean error in longest sides, log", lambda r: r.error),
-                                   ("build", "seconds to build, log", lambda r: r.build_s)):  # fmt: skip
+        samples = points(here, sample_error)
+        for what, found, title, value in (("error", found, "mean error in longest sides, log", lambda r: r.error),
+                                          ("samples", samples, "mean error of samples, log", sample_error),
+                                          ("build", found, "seconds to build, log", lambda r: r.build_s)):  # fmt: skip
             values = [{"i": numbers[id(r)], "method": r.method, "n": n, "x": value(r)} for r, n in found if value(r)]
             looks = {m: look for m, look in task.looks.items() if any(v["method"] == m for v in values)}
+            if not values:
+                continue
             out.append((f"{task.name}-resolution-{what}-{dataset}", f"{what}: {where}", dataset,
                         _chart(values, looks, title, legend, width)))  # fmt: skip
     return out

@@ -1,5 +1,5 @@
-// One to six maps by distance from the camera, of parallel light; fitted to what is visible, or to the frustum
-// with texels that stay where they are.
+// One to six maps by distance from the camera, of parallel light; fitted to what is visible, or to the
+// frustum with texels that stay where they are.
 #include "shading/shadow/cascades.hpp"
 
 #include "bench/shadow/maps.hpp"
@@ -65,11 +65,10 @@ std::vector<Knobs> builds() {
               .ladder = 13,
               .quick_builds = 6},
      .build = [](const Input& input, const Knobs& knobs) {
-       return map_subject(input, slices(input, knobs),
-                          [](const Slices& s, const shading::Scene&, const Knobs& q) {
-                            return OverSlices(s, {q.at("radius").get<int>(), q.at("smooth").get<bool>(),
-                                                  bias_of(q)});
-                          });
+       return map_subject(
+           input, slices(input, knobs), [](const Slices& s, const shading::Scene&, const Knobs& q) {
+             return OverSlices(s, {q.at("radius").get<int>(), q.at("smooth").get<bool>(), bias_of(q)});
+           });
      }});
 
 }  // namespace

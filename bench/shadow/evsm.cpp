@@ -16,16 +16,17 @@ bool add(const char* name, int ladder) {
       {.info = {.name = name,
                 .family = "map",
                 .claim = Claim::approximate,
-                .build_knobs = product(blurs(), {{{"positive", 40}, {"negative", 5}},
-                                                 {{"positive", 5.54}, {"negative", 3}}}),
+                .build_knobs = product(
+                    blurs(), {{{"positive", 40}, {"negative", 5}}, {{"positive", 5.54}, {"negative", 3}}}),
                 .query_knobs = {{{"cut", 0}}, {{"cut", 0.1}}, {{"cut", 0}, {"bias", 1}}},
                 .ladder = ladder,
-                .quick_builds = 4},
+                .quick_builds = 3},
        .build = [](const Input& input, const Knobs& knobs) {
          const Exponents c{knobs.at("positive").get<double>(), knobs.at("negative").get<double>()};
          return map_subject(input, make_warped_map<K>(depth_map(input, knobs), c, blur_of(input, knobs)),
                             [](const WarpedMap<K>& map, const shading::Scene&, const Knobs& q) {
-                              return Evsm<K>(map, {.leak_cut = q.at("cut").get<double>(), .bias = bias_of(q)});
+                              return Evsm<K>(map,
+                                             {.leak_cut = q.at("cut").get<double>(), .bias = bias_of(q)});
                             });
        }});
 }

@@ -23,8 +23,8 @@ inline DepthMap depth_map(const Input& input, const Knobs& knobs, bool second = 
   return depth_map(input, whole_view(input.scene), knobs.at("resolution").get<int>(), second);
 }
 
-/// Knobs: bias (multiples of the bound by slope), constant (share of the depth range), plane (compare with the
-/// receiver's plane), offset (along the normal, in texels). What is absent is 0.
+/// Knobs: bias (multiples of the bound by slope), constant (share of the depth range), plane (compare with
+/// the receiver's plane), offset (along the normal, in texels). What is absent is 0.
 inline Bias bias_of(const Knobs& knobs) {
   Bias b;
   b.slope = knobs.value("bias", 0.0), b.constant = knobs.value("constant", 0.0);

@@ -11,7 +11,8 @@ using namespace shading::shadow;
 
 std::vector<Knobs> squares() {
   std::vector<Knobs> r;
-  for (const int radius : {1, 2, 4, 8, 16}) r.push_back({{"radius", radius}, {"smooth", true}, {"plane", true}});
+  for (const int radius : {1, 2, 4, 8, 16})
+    r.push_back({{"radius", radius}, {"smooth", true}, {"plane", true}});
   for (const int radius : {1, 4}) r.push_back({{"radius", radius}, {"smooth", false}, {"plane", true}});
   for (const int radius : {1, 4}) r.push_back({{"radius", radius}, {"smooth", true}, {"bias", 1}});
   return r;
@@ -33,11 +34,10 @@ std::vector<Knobs> discs() {
               .ladder = 4,
               .quick_builds = 3},
      .build = [](const Input& input, const Knobs& knobs) {
-       return map_subject(input, depth_map(input, knobs),
-                          [](const DepthMap& map, const shading::Scene&, const Knobs& q) {
-                            return PcfGrid(map, {q.at("radius").get<int>(), q.at("smooth").get<bool>(),
-                                                 bias_of(q)});
-                          });
+       return map_subject(
+           input, depth_map(input, knobs), [](const DepthMap& map, const shading::Scene&, const Knobs& q) {
+             return PcfGrid(map, {q.at("radius").get<int>(), q.at("smooth").get<bool>(), bias_of(q)});
+           });
      }});
 
 [[maybe_unused]] const bool disc = Registry<Method>::instance().add(

@@ -1,4 +1,5 @@
-// Filters as wide as the penumbra of the blockers' mean depth; and the same with the width taken for a radius.
+// Filters as wide as the penumbra of the blockers' mean depth; and the same with the width taken for a
+// radius.
 #include "shading/shadow/pcss.hpp"
 
 #include "bench/shadow/maps.hpp"
@@ -27,14 +28,15 @@ std::vector<Knobs> taps_of_both() {
               .ladder = 12,
               .quick_builds = 3},
      .build = [](const Input& input, const Knobs& knobs) {
-       return map_subject(
-           input, depth_map(input, knobs), [](const DepthMap& map, const shading::Scene& scene, const Knobs& q) {
-             return Pcss(map, scene.light,
-                         {.search_taps = q.at("search").get<int>(),
-                          .filter_taps = q.at("taps").get<int>(),
-                          .width = q.value("width", "half") == "whole" ? Width::whole : Width::half,
-                          .bias = bias_of(q)});
-           });
+       return map_subject(input, depth_map(input, knobs),
+                          [](const DepthMap& map, const shading::Scene& scene, const Knobs& q) {
+                            return Pcss(
+                                map, scene.light,
+                                {.search_taps = q.at("search").get<int>(),
+                                 .filter_taps = q.at("taps").get<int>(),
+                                 .width = q.value("width", "half") == "whole" ? Width::whole : Width::half,
+                                 .bias = bias_of(q)});
+                          });
      }});
 
 }  // namespace

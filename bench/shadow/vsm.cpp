@@ -14,11 +14,8 @@ using namespace shading::shadow;
               .family = "map",
               .claim = Claim::approximate,
               .build_knobs = blurs(),
-              .query_knobs = {{{"cut", 0}},
-                              {{"cut", 0.1}},
-                              {{"cut", 0.25}},
-                              {{"cut", 0.5}},
-                              {{"cut", 0}, {"bias", 1}}},
+              .query_knobs =
+                  {{{"cut", 0}}, {{"cut", 0.1}}, {{"cut", 0.25}}, {{"cut", 0.5}}, {{"cut", 0}, {"bias", 1}}},
               .ladder = 6,
               .quick_builds = 3},
      .build = [](const Input& input, const Knobs& knobs) {

@@ -125,7 +125,7 @@ Light parse_light(std::string_view text) {
     const double radius = in.measure(in.numbers<1>(3, "radius")[0], "the radius", largest);
     set_axes(light, radius, radius);
   } else {
-    in.refuse("'" + std::string(in.kind()) + "' is no kind of light");
+    in.refuse(std::string("'").append(in.kind()).append("' is no kind of light"));
   }
   return light;
 }
@@ -139,19 +139,22 @@ std::string format_light(const Light& light) {
   const auto vector = [&](const Vec3d& v) { return number(v[0]) + "," + number(v[1]) + "," + number(v[2]); };
   const std::string at = vector(light.position), along = vector(light.direction);
   const double u = length(light.u), v = length(light.v);
+  const std::string placed = at + ":" + along + ":", angle = number(light.angle / degree);
+  std::string r;
   switch (light.kind) {
     case LightKind::directional:
-      return "directional:" + along + (light.angle > 0 ? ":" + number(light.angle / degree) : "");
+      r.append("directional:").append(along);
+      return light.angle > 0 ? r.append(":").append(angle) : r;
     case LightKind::point:
-      return "point:" + at;
+      return r.append("point:").append(at);
     case LightKind::spot:
-      return "spot:" + at + ":" + along + ":" + number(light.angle / degree);
+      return r.append("spot:").append(placed).append(angle);
     case LightKind::rectangle:
-      return "rectangle:" + at + ":" + along + ":" + number(2 * u) + "," + number(2 * v);
+      return r.append("rectangle:").append(placed).append(number(2 * u)).append(",").append(number(2 * v));
     case LightKind::disc:
-      return "disc:" + at + ":" + along + ":" + number(u);
+      return r.append("disc:").append(placed).append(number(u));
   }
-  return {};
+  return r;
 }
 
 }  // namespace treeline::datasets

@@ -22,6 +22,15 @@ struct AreaRayOptions {
   int samples = 16;  ///< a receiver; lights without extent take one
   SamplePattern pattern = SamplePattern::sobol_owen;
   std::uint64_t seed = 0;
+  double offset = 0;  ///< rays start that far off the surface, in world units; 0: surface_offset()
+};
+
+/// All that is asked of a tree here; every accel::RayIndex has it.
+template <class I>
+concept OcclusionIndex = requires(const I& index, std::span<const typename I::Ray> rays,
+                                  std::span<std::uint8_t> any, int threads) {
+  typename I::Scalar;
+  index.any_hit(rays, any, threads);
 };
 
 /// The name of a receiver in the sampling: the bits of where it is.
@@ -31,7 +40,7 @@ inline std::uint64_t pixel_of(const Receiver& r) {
   return h;
 }
 
-template <accel::RayIndex Tree>
+template <OcclusionIndex Tree>
 class AreaRays {
  public:
   using Scalar = typename Tree::Scalar;
@@ -42,7 +51,7 @@ class AreaRays {
       : tree_(&tree),
         light_(scene.light),
         samples_(light_.extended() ? options.samples : 1, options.pattern, options.seed),
-        offset_(surface_offset<Scalar>(scene)) {}
+        offset_(options.offset > 0 ? options.offset : surface_offset<Scalar>(scene)) {}
 
   /// In [0, 1]: a multiple of 1 / samples. Batches give the same, bit for bit.
   float visibility(const Receiver& receiver) const {

@@ -43,14 +43,6 @@ inline int count_lit(const DepthMap& map, const MapPoint& m, int x0, int x1, int
   return lit;
 }
 
-/// Whether the texel around a place, given in texels from the point's texel's corner, leaves it lit. There is
-/// light outside the map.
-inline bool lit_at(const DepthMap& map, const MapPoint& m, float dx, float dy) {
-  const float fx = std::floor(dx), fy = std::floor(dy), x = float(m.x) + fx, y = float(m.y) + fy;
-  if (!(x >= 0 && y >= 0 && x < float(map.width) && y < float(map.height))) return true;
-  return m.lit(map.first[map.index(int(x), int(y))], fx + 0.5f - m.fx, fy + 0.5f - m.fy);
-}
-
 }  // namespace detail
 
 /// A square of texels. Throws InvalidScene for a map or options that are none.
@@ -119,15 +111,11 @@ class PcfDisc {
   float visibility(const Receiver& receiver) const {
     const MapPoint m = detail::locate(*map_, receiver, options_.bias, options_.radius + 0.5);
     if (!m.inside) return 1;
-    const detail::Turn turn(options_.pattern != TapPattern::square, options_.turned,
-                            detail::receiver_hash(m.fx, m.fy));
     const float radius = float(options_.radius);
-    int lit = 0;
-    for (const Tap& tap : taps_) {
-      const Tap t = turn(tap);
-      lit += detail::lit_at(*map_, m, m.fx + radius * t.x, m.fy + radius * t.y);
-    }
-    return float(lit) / float(taps_.size());
+    const detail::TapFrame frame(options_.pattern != TapPattern::square, options_.turned,
+                                 detail::receiver_hash(m.fx, m.fy), {radius, 0}, {0, radius});
+    const int shadowed = detail::compare_taps(*map_, m, taps_, frame).blockers;
+    return 1 - float(shadowed) / float(taps_.size());
   }
   std::size_t bytes() const { return map_->first.size() * sizeof(float); }
 

@@ -57,26 +57,15 @@ class Pcss {
     if (blockers.found == 0) return 1;
     double scale = extent_.scale(m.depth, blockers.mean) * (options_.width == Width::whole ? 2 : 1);
     scale = std::max(scale, options_.least_radius / unit_);
-    int lit = 0;
-    each_tap(m, filter_, scale, [&](float dx, float dy) { lit += detail::lit_at(*map_, m, dx, dy); });
-    return float(lit) / float(filter_.size());
+    return 1 - float(compared(m, filter_, scale).blockers) / float(filter_.size());
   }
   std::size_t bytes() const { return map_->first.size() * sizeof(float); }
 
   /// The first step alone, at a receiver's place in the map.
   Blockers search(const MapPoint& m) const {
-    Blockers r;
-    float sum = 0;
     const double scale = std::max(extent_.scale(m.depth, 0), options_.least_radius / unit_);
-    each_tap(m, search_, scale, [&](float dx, float dy) {
-      const float fx = std::floor(dx), fy = std::floor(dy), x = float(m.x) + fx, y = float(m.y) + fy;
-      if (!(x >= 0 && y >= 0 && x < float(map_->width) && y < float(map_->height))) return;
-      const float z = map_->first[map_->index(int(x), int(y))];
-      const bool lit = m.lit(z, fx + 0.5f - m.fx, fy + 0.5f - m.fy);
-      sum += lit ? 0 : z, r.found += !lit;
-    });
-    if (r.found) r.mean = sum / float(r.found);
-    return r;
+    const detail::Found found = compared(m, search_, scale);
+    return {found.blockers, found.blockers ? found.depths / float(found.blockers) : 0};
   }
   MapPoint locate(const Receiver& receiver) const {
     const double far_texels = options_.bias.slope > 0 ? reach(receiver) : 0.5;
@@ -89,15 +78,11 @@ class Pcss {
     const double depth = map_->view.place(receiver.position).depth;
     return 0.5 + std::max(options_.least_radius, extent_.scale(depth, 0) * unit_);
   }
-  /// Calls f with each tap's place, in texels from the corner of the point's texel.
-  template <class F>
-  void each_tap(const MapPoint& m, const std::vector<Tap>& set, double scale, F&& f) const {
-    const detail::Turn turn(extent_.disc(), options_.turned, detail::receiver_hash(m.fx, m.fy));
-    const Tap u{u_.x * float(scale), u_.y * float(scale)}, v{v_.x * float(scale), v_.y * float(scale)};
-    for (const Tap& tap : set) {
-      const Tap t = turn(tap);
-      f(m.fx + u.x * t.x + v.x * t.y, m.fy + u.y * t.x + v.y * t.y);
-    }
+  detail::Found compared(const MapPoint& m, const std::vector<Tap>& set, double scale) const {
+    const float f = float(scale);
+    const detail::TapFrame frame(extent_.disc(), options_.turned, detail::receiver_hash(m.fx, m.fy),
+                                 {u_.x * f, u_.y * f}, {v_.x * f, v_.y * f});
+    return detail::compare_taps(*map_, m, set, frame);
   }
 
   const DepthMap* map_;

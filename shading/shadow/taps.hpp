@@ -6,6 +6,7 @@
 // (Roberts 2018), which adds powers of the reciprocal of the plastic number.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -13,7 +14,7 @@
 #include <vector>
 
 #include "geometry/random.hpp"
-#include "shading/shadow/method.hpp"
+#include "shading/shadow/bias.hpp"
 
 namespace treeline::shading::shadow {
 
@@ -69,27 +70,28 @@ inline std::uint32_t receiver_hash(float x, float y) {
   return h;
 }
 
-/// Turns a pattern, each receiver by its own angle (disc) or by a shift around the borders (square). As 64
-/// fixed turns, to save the sines.
-class Turn {
- public:
-  Turn(bool disc, bool wanted, std::uint32_t hash) : disc_(disc) {
-    if (!wanted) return;
-    if (disc) {
-      const Tap& t = table()[hash & 63];
-      c_ = t.x, s_ = t.y;
-    } else {
-      x_ = float(hash & 0xffff) * 0x1p-16f, y_ = float(hash >> 16) * 0x1p-16f;
-    }
+/// How a receiver's pattern lies in the map: turned by an angle of its own (disc) or shifted around the
+/// borders (square), then stretched along two axes. 64 fixed angles save the sines.
+struct TapFrame {
+  float shift_x = 0, shift_y = 0;        ///< in [0, 2)
+  float xx = 1, xy = 0, yx = 0, yy = 1;  ///< map = (xx xy; yx yy) · pattern
+
+  /// `u` and `v`: where the pattern's axes lie in the map.
+  TapFrame(bool disc, bool turned, std::uint32_t hash, const Tap& u, const Tap& v) {
+    Tap c{1, 0};
+    if (turned && disc) c = angles()[hash & 63];
+    if (turned && !disc) shift_x = float(hash & 0xffff) * 0x1p-15f, shift_y = float(hash >> 16) * 0x1p-15f;
+    xx = u.x * c.x + v.x * c.y, xy = v.x * c.x - u.x * c.y;
+    yx = u.y * c.x + v.y * c.y, yy = v.y * c.x - u.y * c.y;
   }
-  Tap operator()(Tap t) const {
-    if (disc_) return {c_ * t.x - s_ * t.y, s_ * t.x + c_ * t.y};
-    const float x = t.x + 2 * x_, y = t.y + 2 * y_;
-    return {x > 1 ? x - 2 : x, y > 1 ? y - 2 : y};
+  Tap operator()(const Tap& t) const {
+    float x = t.x + shift_x, y = t.y + shift_y;
+    x = x > 1 ? x - 2 : x, y = y > 1 ? y - 2 : y;
+    return {xx * x + xy * y, yx * x + yy * y};
   }
 
  private:
-  static const Tap* table() {
+  static const Tap* angles() {
     static const std::vector<Tap> turns = [] {
       std::vector<Tap> r;
       for (int i = 0; i < 64; ++i)
@@ -98,9 +100,46 @@ class Turn {
     }();
     return turns.data();
   }
-  bool disc_;
-  float c_ = 1, s_ = 0, x_ = 0, y_ = 0;
 };
+
+/// What taps found: how many of them shadow the point, and the sum of their depths.
+struct Found {
+  int blockers = 0;
+  float depths = 0;
+};
+
+/// Compares all taps, 16 at a time, so that compilers make registers of them; the order of the sum is the
+/// same on every machine. There is light outside the map.
+inline Found compare_taps(const DepthMap& map, const MapPoint& m, const std::vector<Tap>& set,
+                          const TapFrame& frame) {
+  constexpr std::size_t lanes = 16;
+  const float width = float(map.width), height = float(map.height), mx = float(m.x), my = float(m.y);
+  const float* depths = map.first.data();
+  int blockers[lanes]{};
+  float sums[lanes]{};
+  for (std::size_t begin = 0; begin < set.size(); begin += lanes) {
+    float tx[lanes], ty[lanes];
+    for (std::size_t k = 0; k < lanes; ++k) {
+      const Tap& t = set[std::min(begin + k, set.size() - 1)];
+      tx[k] = t.x, ty[k] = t.y;
+    }
+    const int here = int(set.size() - begin);
+    for (std::size_t k = 0; k < lanes; ++k) {
+      const Tap q = frame({tx[k], ty[k]});
+      const float fx = std::floor(m.fx + q.x), fy = std::floor(m.fy + q.y), x = mx + fx, y = my + fy;
+      const bool counts = (x >= 0) & (y >= 0) & (x < width) & (y < height) & (int(k) < here);
+      const int column = int(std::min(std::max(x, 0.0f), width - 1));
+      const int row = int(std::min(std::max(y, 0.0f), height - 1));
+      const float z = depths[row * map.width + column];
+      const bool blocks = counts & !m.lit(z, fx + 0.5f - m.fx, fy + 0.5f - m.fy);
+      blockers[k] += blocks;
+      sums[k] += blocks ? z : 0.0f;
+    }
+  }
+  Found r;
+  for (std::size_t k = 0; k < lanes; ++k) r.blockers += blockers[k], r.depths += sums[k];
+  return r;
+}
 
 }  // namespace detail
 }  // namespace treeline::shading::shadow

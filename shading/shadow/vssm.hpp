@@ -113,6 +113,8 @@ class Vssm {
   Occlusion cut(const MapPoint& m, const TexelBox& b) const {
     const int n = options_.parts;
     const double w = (b.x1 - b.x0) / n, h = (b.y1 - b.y0) / n;
+    // A small part holds the plane in steps of texels: by up to half a one it may seem nearer than it is.
+    const double steps = 0.5 * (std::abs(m.slope_x) + std::abs(m.slope_y));
     double share = 0, depths = 0;
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
@@ -121,7 +123,7 @@ class Vssm {
         const float dy = float(0.5 * (part.y0 + part.y1) - m.y) - m.fy;
         const double t = m.limit_at(dx, dy);
         const DepthStatistics s = statistics(part);
-        const Occlusion o = t > s.mean && t < 2 ? occlusion(s, t) : sampled(m, dx, dy, w, h);
+        const Occlusion o = t - steps > s.mean && t < 2 ? occlusion(s, t) : sampled(m, dx, dy, w, h);
         share += o.share, depths += o.share * o.mean;
       }
     return {share / (n * n), share > 0 ? depths / share : 0};

@@ -280,10 +280,15 @@ TEST(SampledField, RefusesWhatItCannotHold) {
   expect_refusal(with([](auto& o) { o.band = 0; }), "band is 0");
   expect_refusal(with([](auto& o) { o.threads = 0; }), "threads is 0");
   expect_refusal(with([](auto& o) { o.spacing = 1e-30; }), "no room for more than 2^20");
+  expect_refusal(with([](auto& o) { o.spacing = 1e300; }), "the spacing 1e+300");
+  expect_refusal(with([](auto& o) { o.spacing = 1e39; }), "beyond single precision");
   expect_refusal(with([](auto& o) { o.resolution = 1 << 19; }), "bytes");
   expect_refusal(with([](auto& o) { o.max_bytes = 100000; }), "max_bytes is 100000");
   // Dense: 1024³ samples and more.
   expect_refusal([&] { sample_mesh<DenseSamples>(mesh, tree, options(1024)); }, "bytes");
+  const Mesh3f huge = accel::test::sphere<float>(1, {}, 3e38f);
+  const Tree over_huge(huge);
+  expect_refusal([&] { sample_mesh<BrickSamples>(huge, over_huge, options(16)); }, "coordinate is 3e+38");
   const Mesh3f none;
   const Tree empty(none);
   expect_refusal([&] { sample_mesh<BrickSamples>(none, empty); }, "no triangles");
@@ -310,6 +315,100 @@ TEST(SampledField, NaNIsAnsweredByNaN) {
     p[k] = inf;
     EXPECT_EQ(Tricubic(s).distance(p), inf);
   }
+}
+
+TEST(SampledField, LowerBoundsAreFiniteWhereverThePointIs) {
+  const Mesh3f mesh = accel::test::sphere<float>(2);
+  const auto s = sample_mesh<BrickSamples>(mesh, Tree(mesh), options(16));
+  const Trilinear field(s);
+  for (const double far : {1e100, 1e154, 1e155, 1e200, 1e308}) {
+    const double found = field.distance({far, 0, 0});
+    EXPECT_LE(found, far);
+    EXPECT_GE(found, far * (1 - 1e-14));
+  }
+  EXPECT_LT(field.distance({1e308, -1.7e308, 1.7e308}), std::numeric_limits<double>::infinity());
+  EXPECT_GT(field.distance({1e308, -1.7e308, 1.7e308}), 1.7e308);
+}
+
+// Of two fields that are off by something, too: where neither is known, the distance less the error is a
+// bound.
+TEST(SampledField, WhatIsMadeOfSampledFieldsKeepsItsBounds) {
+  const Mesh3f mesh = turned_box({1, 0.6, 0.4});
+  const auto s = sample_mesh<BrickSamples>(mesh, Tree(mesh), options(17));
+  const Trilinear field(s);
+  const Sphere ball{{0.8, 0, 0}, 0.5};
+  const Union both{field, ball};
+  const Difference without{field, ball};
+  Pcg32 random(12);
+  int unknown_with_error = 0;
+  for (int n = 0; n < 40000; ++n) {
+    const Vec3d p = in_box(random, {{-2, -2, -2}, {2, 2, 2}});
+    const double a = true_distance(mesh, p), b = ball.distance(p);
+    const FieldSample u = both.sample(p), d = without.sample(p);
+    if (u.known) {
+      ASSERT_LE(std::abs(u.distance - std::min(a, b)), u.error);
+    } else if (std::abs(u.distance) > u.error) {
+      ASSERT_EQ(u.distance < 0, std::min(a, b) < 0);
+    }
+    ASSERT_LE(u.clearance(), std::abs(std::min(a, b)));
+    ASSERT_LE(d.clearance(), std::abs(std::max(a, -b)));
+    unknown_with_error += !u.known && u.error > 0;
+  }
+  EXPECT_GT(unknown_with_error, 1000);
+}
+
+// A blend wider than the band takes distances for what they are not where one of them is a lower bound only.
+TEST(SampledField, SmoothUnionsKeepTheirBoundsWhereADistanceIsNotKnown) {
+  const Mesh3f mesh = turned_box({1, 0.6, 0.4});
+  const auto s = sample_mesh<BrickSamples>(mesh, Tree(mesh), options(17));
+  const Trilinear field(s);
+  const Sphere ball{{0.3, 0, 2}, 0.5};
+  const SmoothUnion both{field, ball, 2.0};
+  Pcg32 random(13);
+  int off = 0, certain = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const Vec3d p = in_box(random, {{-2, -2, -2}, {2, 2, 3}});
+    const double a = true_distance(mesh, p), b = ball.distance(p),
+                 near = std::max(2 - std::abs(a - b), 0.0) / 2;
+    const double truth = std::min(a, b) - 0.5 * near * near;
+    const FieldSample f = both.sample(p);
+    ASSERT_EQ(f.distance, both.distance(p));
+    ASSERT_LE(f.clearance(), std::abs(truth) * (1 + 1e-14));
+    if (f.clearance() > 0) {
+      ASSERT_EQ(f.distance < 0, truth < 0);
+    }
+    off += (f.distance < 0) != (truth < 0), certain += f.clearance() > 0;
+  }
+  EXPECT_GT(off, 100);
+  EXPECT_GT(certain, 10000);
+}
+
+/// By how much the gradient changes across the lattice's planes, at most and on the average, in the band.
+template <class Field>
+std::pair<double, double> gradient_jump(const Field& field) {
+  const Lattice& l = field.samples().lattice();
+  Pcg32 random(14);
+  double most = 0, sum = 0;
+  int count = 0;
+  while (count < 5000) {
+    Vec3d p = normalized(in_box(random, {{-1, -1, -1}, {1, 1, 1}})) * random.uniform(0.9, 1.1);
+    const int axis = static_cast<int>(random.below(3));
+    p[axis] = l.origin[axis] + l.spacing * std::round((p[axis] - l.origin[axis]) / l.spacing);
+    Vec3d before = p, after = p;
+    before[axis] -= 1e-9, after[axis] += 1e-9;
+    if (!field.sample(before).known || !field.sample(after).known) continue;
+    const double jump = distance(field.gradient(before), field.gradient(after));
+    most = std::max(most, jump), sum += jump, ++count;
+  }
+  return {most, sum / count};
+}
+
+// Across cells and bricks alike: a tricubic look-up's gradient is continuous, a trilinear one's is not.
+TEST(SampledField, TricubicGradientsAreContinuous) {
+  const Mesh3f mesh = accel::test::sphere<float>(4);
+  const auto s = sample_mesh<BrickSamples>(mesh, Tree(mesh), options(24));
+  EXPECT_LT(gradient_jump(Tricubic(s)).first, 1e-6);  // 2e-9 times second derivatives of some tens
+  EXPECT_GT(gradient_jump(Trilinear(s)).second, 1e-3);
 }
 
 TEST(SampledField, AnInsidePolicyOfOnesOwn) {

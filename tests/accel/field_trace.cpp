@@ -107,6 +107,53 @@ TEST(SphereTrace, RefusesWhatIsNoRay) {
   EXPECT_THROW(sphere_trace(ball, {{-3, 0, 0}, {1, 0, 0}}), InvalidInput);  // endless
 }
 
+// The same ray, whose direction is longer or shorter by a power of two: t is divided by it, nothing else.
+TEST(SphereTrace, DirectionsOfAnyLength) {
+  const Sphere ball{{}, 1};
+  const Mesh3f mesh = accel::test::sphere<float>(3);
+  const auto s = sample_mesh<BrickSamples>(mesh, Tree(mesh), options(32));
+  const Trilinear field(s);
+  const Rayd ray{{-3, 0, 0.1}, {1, 0.01, 0}, 0, 100};
+  const Trace plain = sphere_trace(ball, ray), sampled = sphere_trace(field, ray);
+  ASSERT_EQ(plain.status, TraceStatus::hit);
+  ASSERT_EQ(sampled.status, TraceStatus::hit);
+  for (const int exponent : {-1000, -565, -3, 1, 565, 1000}) {
+    Rayd other = ray;
+    other.direction = ray.direction * std::scalbn(1.0, exponent),
+    other.t_max = std::scalbn(ray.t_max, -exponent);
+    const auto expect_same = [&](const Trace& a, const Trace& b) {
+      EXPECT_EQ(a.status, b.status) << exponent;
+      EXPECT_EQ(a.t, std::scalbn(b.t, exponent)) << exponent;
+      EXPECT_EQ(a.steps, b.steps) << exponent;
+    };
+    expect_same(plain, sphere_trace(ball, other));
+    expect_same(sampled, sphere_trace(field, other));
+    other.t_max = std::numeric_limits<double>::infinity();
+    expect_same(sampled, sphere_trace(field, other));
+  }
+  EXPECT_NEAR(sphere_trace(ball, {{-3, 0, 0}, {1e-170, 0, 0}, 0, 1e180}).t, 2e170, 1e166);
+  EXPECT_NEAR(sphere_trace(ball, {{-3, 0, 0}, {1e170, 0, 0}, 0, 1}).t, 2e-170, 1e-174);
+  // A miss goes to the given end.
+  EXPECT_EQ(sphere_trace(ball, {{-3, 2, 0}, {1e-170, 0, 0}, 0, 1e180}).t, 1e180);
+  // The hit's t would be 2e320.
+  EXPECT_THROW(sphere_trace(field, {{-3, 0, 0.1}, {1e-320, 0, 0}}), InvalidInput);
+}
+
+TEST(SphereTrace, RefusesWhatOverflows) {
+  const Sphere ball{{}, 1};
+  const double inf = std::numeric_limits<double>::infinity();
+  const Mesh3f mesh = accel::test::sphere<float>(2);
+  const auto s = sample_mesh<BrickSamples>(mesh, Tree(mesh), options(16));
+  const Trilinear field(s);
+  EXPECT_THROW(sphere_trace(ball, {{-1e200, 0, 0}, {1, 0, 0}, 0, 1e201}), InvalidInput);
+  EXPECT_THROW(sphere_trace(field, {{-1e200, 0, 0}, {1, 0, 0}}), InvalidInput);
+  EXPECT_THROW(sphere_trace(ball, {{-3, 0, 0}, {1, 0, 0}, -1e200, 10}), InvalidInput);
+  EXPECT_THROW(sphere_trace(ball, {{-3, 0, 0}, {1, 0, 0}, -inf, 10}), InvalidInput);
+  EXPECT_THROW(sphere_trace(ball, {{-3, 0, 0}, {1e200, 0, 0}, 0, 1e200}), InvalidInput);
+  // Bounds say where such a ray begins.
+  EXPECT_EQ(sphere_trace(field, {{-3, 0, 0.1}, {1, 0, 0}, -inf, inf}).status, TraceStatus::hit);
+}
+
 /// Rays at a mesh: every hit of the mesh is a hit of the field or a doubt; no hit lies where nothing is; and
 /// where both hit the same, t agrees.
 void expect_like_the_mesh(const Mesh3f& mesh, int resolution, double allowed_doubts) {

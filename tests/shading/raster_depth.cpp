@@ -131,18 +131,33 @@ TEST(Closed, EveryTexelThatIsCoveredIsCoveredFromBothSides) {
       }
 }
 
+/// A square of cells × cells × 2 triangles.
+Mesh3f oblique_sheet(std::size_t cells) {
+  Mesh3f mesh;
+  const Vec3d u{0.83, 0.31, -0.2}, v{-0.1, 0.45, 0.77};
+  for (std::size_t j = 0; j <= cells; ++j)
+    for (std::size_t i = 0; i <= cells; ++i)
+      mesh.vertices.push_back(
+          geometry::Vec3f(u * (double(i) / double(cells)) + v * (double(j) / double(cells))));
+  for (std::size_t j = 0; j < cells; ++j)
+    for (std::size_t i = 0; i < cells; ++i) {
+      const auto a = std::uint32_t(j * (cells + 1) + i), b = std::uint32_t(a + cells + 1);
+      mesh.faces.push_back({a, a + 1, b + 1}), mesh.faces.push_back({a, b + 1, b});
+    }
+  return mesh;
+}
+
 // A flat sheet in oblique position, however it is split, covers each centre in it once: no hole, no texel
 // with a second surface, and the depth of the plane.
 TEST(Sheet, IsCoveredOnceAndHasTheDepthOfItsPlane) {
-  for (const std::size_t n : {2u, 50u, 3000u, 200'000u})
+  for (const std::size_t cells : {1u, 5u, 40u, 300u})
     for (const int side : {16, 100, 333}) {
-      Mesh3f mesh = datasets::make_scene("tilted_plane_40_25", std::max<std::size_t>(n, 12), 1).mesh;
+      const Mesh3f mesh = oblique_sheet(cells);
       const LightView view = view_of(mesh, false);
       const DepthMap map = draw(mesh, view, side, {.layers = 2});
       // The corners of the square: it is convex, and so is what it covers.
       const auto corner = [&](std::size_t i) { return view.place(Vec3d(mesh.vertices[i])); };
-      const std::size_t row = std::size_t(std::lround(std::sqrt(double(mesh.vertices.size()))));
-      ASSERT_EQ(row * row, mesh.vertices.size());
+      const std::size_t row = cells + 1;
       const std::array q{corner(0), corner(row - 1), corner(row * row - 1), corner(row * row - row)};
       const auto gradient = [&](int axis) {  // of depth, from the two sides at the first corner
         const double bx = q[1].x - q[0].x, by = q[1].y - q[0].y, bz = q[1].depth - q[0].depth;
@@ -168,7 +183,9 @@ TEST(Sheet, IsCoveredOnceAndHasTheDepthOfItsPlane) {
           if (inside > 0.01) {
             ++within;
             const double depth = q[0].depth + gradient(0) * (px - q[0].x) + gradient(1) * (py - q[0].y);
-            EXPECT_NEAR(map.first[i], depth, 1e-4 / side + 2e-6);
+            // A centre just beside a triangle that rounding took it into gets the depth of its border.
+            const double slope = (std::abs(gradient(0)) + std::abs(gradient(1))) / side;
+            EXPECT_NEAR(map.first[i], depth, slope / 256 + 1e-6);
           } else if (inside < -0.01) {
             EXPECT_EQ(map.first[i], 1);
           }

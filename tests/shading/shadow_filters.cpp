@@ -94,7 +94,7 @@ TEST(Taps, LieWhereTheyShouldAndTurnWithinIt) {
     for (const Tap& t : taps(pattern, 64))
       for (std::uint32_t hash : {0u, 1u, 0xdeadbeefu, 0xffffffffu}) {
         const bool disc = pattern != TapPattern::square;
-        const Tap q = detail::Turn(disc, true, hash)(t);
+        const Tap q = detail::TapFrame(disc, true, hash, {1, 0}, {0, 1})(t);
         if (disc)
           ASSERT_LE(q.x * q.x + q.y * q.y, 1 + 1e-6f);
         else
