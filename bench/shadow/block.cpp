@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t most_moving = 4096;       // receivers of the set `motion`
 constexpr double texel_of_motion = 0.1 / 1024;  // of the light's view
+constexpr int split_samples = 256;
 constexpr double forgiven = 1e-4;  // of the diagonal: so near to a hard shadow's border nobody is wrong
 
 std::vector<Receiver> on_line(const datasets::ReceiverLine& line) {
@@ -189,6 +190,13 @@ std::span<const float> ShadowBlock::answers(const Subject& subject) {
 
 void ShadowBlock::find_truth() {
   for (std::size_t set = 0; set < sets_.size(); ++set) truth_of(set);
+  split();
+}
+
+double ShadowBlock::split() {
+  if (!split_)
+    split_ = split_error(input_.scene, tree_, image_.list, truth(0), split_samples, input_.threads);
+  return *split_;
 }
 
 /// From the cache: the halves' difference and the samples stand behind the shares.
@@ -243,6 +251,7 @@ Errors ShadowBlock::check(std::size_t m, const Subject& subject, std::size_t que
       e.reason = "receiver " + std::to_string(*i) + " is answered " + std::to_string(made.answers[*i]) +
                  ", true is " + std::to_string(truth.visibility[*i]) + " there and all around it";
     }
+  if (set.what == What::image) e.extra["shadow_split"] = split();
   if (set.line) note_line(*set.line, made, truth, e.extra);
   if (const auto figure = figure_of(input_.scene, query_sets_[query_set].name, methods_[m].info.name,
                                     made.build_knobs(), query_knobs))

@@ -52,6 +52,8 @@ class ShadowBlock final : public Block {
   const Truth& truth(std::size_t query_set) { return truth_of(query_set).front(); }
 
  private:
+  double split();
+
   enum class What { image, line, motion };
   struct Set;
 
@@ -69,6 +71,7 @@ class ShadowBlock final : public Block {
   std::vector<shading::Scene> frames_;
   std::vector<Set> sets_;
   std::vector<QuerySet> query_sets_;
+  std::optional<double> split_;  // not yet known
 };
 
 /// Where the answers on a line from dark to light pass a share, as a share of the line; the first time

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "bench/shadow/closed_form.hpp"
+#include "bench/shadow/pictures.hpp"
 #include "datasets_gen/scenes/light.hpp"
 #include "datasets_gen/scenes/scene.hpp"
 
@@ -69,7 +70,8 @@ void ShadowTask::check_flags(const RunContext& context) const {
 
 std::vector<BlockSpec> ShadowTask::blocks(Profile profile) const {
   if (profile == Profile::smoke) return {{"half_plane_edge", 100}};
-  std::vector<BlockSpec> out{{"half_plane_edge", 200},
+  std::vector<BlockSpec> out{{"tilted_plane", 200},
+                             {"half_plane_edge", 200},
                              {"sphere_over_floor", 5'000},
                              {"wall_on_floor", 200},
                              {"slab_and_sheet", 200},
@@ -124,14 +126,19 @@ std::unique_ptr<Block> ShadowTask::open(datasets::Dataset dataset, const RunCont
   if (datasets::is_scene(name)) {  // not a user's mesh, whatever the name of its file
     const datasets::KnownShadows known = datasets::known_shadows(name);
     if (!context.own.contains("--light")) input.closed_form = form_of(known), input.lines = known.lines;
-    if (name.starts_with("half_plane_edge")) input.frames = frames;
+    // Maps for every frame take their time.
+    if (datasets::is_scene_of(name, "half_plane_edge") && context.profile != Profile::quick)
+      input.frames = frames;
   }
   input.truth = truth_options(context.profile, context.seed);
   input.threads = context.threads;
-  input.quick = context.profile == Profile::quick;
+  input.quick = context.profile != Profile::full;
   return std::make_unique<ShadowBlock>(registered(), std::move(input));
 }
 
-void ShadowTask::pictures(const BlockSpec&, const RunContext&, const std::string&) const {}
+void ShadowTask::pictures(const BlockSpec& spec, const RunContext& context, const std::string& folder) const {
+  const auto block = open(spec, context);
+  draw_pictures(registered(), dynamic_cast<ShadowBlock&>(*block), spec.dataset, context.threads, folder);
+}
 
 }  // namespace treeline::bench::shadow

@@ -11,7 +11,10 @@ using shading::LightKind;
 
 constexpr std::size_t faces = 200;      // of the scenes with a name: they are flat, but for the sphere
 constexpr int columns = 96, rows = 72;  // of their images
-constexpr double behind_foot = 1e-3;    // metres: a receiver at the very foot is in the blocker's plane
+/// Of an image's angle: its pixels lie otherwise in texels each time. Where one falls on one, all see the
+/// same.
+constexpr double unlike_texels = 0.618034;
+constexpr double behind_foot = 1e-3;  // metres: a receiver at the very foot is in the blocker's plane
 
 /// Seen from above, a square of side 2 h of the floor fills the image.
 shading::Camera from_above(double h, double height) {
@@ -44,7 +47,8 @@ void add_lit(std::vector<HardShadow>& all) {
     of_scene(
         all, scene,
         "derivation: without bias half of a plane shadows itself, with b along the light ½ − b/(s tan θ)",
-        law);
+        law)
+        .scene.camera.height_angle *= unlike_texels;
   of_scene(all, "tilted_plane_88_0", "derivation: marches that begin at a grazing floor are stopped by it",
            law);
   HardShadow& flat =
@@ -90,6 +94,9 @@ void add_soft(std::vector<HardShadow>& all) {
   const char* const law = "a penumbra is as wide as the formula has it";
   of_scene(all, "half_plane_edge_1_0.5", "closed form: a rectangle over an edge", law).frames = 5;
   of_scene(all, "half_plane_edge_3_0.5", "closed form: a rectangle over an edge, near the light", law);
+  for (const char* light : {"0.05", "0.5", "1.5"})
+    of_scene(all, "sphere_over_floor_" + std::string(light),
+             "light taken out of the integral with its visibility", "a shadow is that of the whole light");
   of_scene(all, "slit_0.25", "closed form: the product or the least of two half shadows is not their union",
            law);
 
