@@ -43,7 +43,8 @@ def soft(task):
 
 
 def is_rays(row):
-    return (row.query_knobs or {}).get("rays") == RAYS and row.method.startswith("area_rays")
+    """Our rays, with their best points."""
+    return row.method == "area_rays" and row.query_knobs == {"rays": RAYS}
 
 
 def front(rows, error):
