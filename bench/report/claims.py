@@ -77,9 +77,9 @@ class Verdict:
 
 def ledger(rows):
     """A verdict for every claim of the list."""
-    from bench.report import measures
+    from bench.report import measures, shadow_claims
 
-    kinds = {"contest": judge, **measures.KINDS}
+    kinds = {"contest": judge, **measures.KINDS, **shadow_claims.KINDS}
     return [kinds[claim.get("kind", "contest")](claim, rows) for claim in json.loads(LIST.read_text())]
 
 
