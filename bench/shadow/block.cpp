@@ -162,6 +162,7 @@ ShadowBlock::ShadowBlock(const std::vector<Method>& methods, BlockInput input)
   };
   add("image", {What::image, image_.list, image_.pixel, {}, nullptr});
   for (const auto& line : input_.lines) add(line.name, {What::line, on_line(line), {}, {}, &line});
+  for (const Set& set : sets_) asked_.insert(asked_.end(), set.receivers.begin(), set.receivers.end());
   if (input_.frames > 1) {
     for (int f = 0; f < input_.frames; ++f) {
       frames_.push_back(input_.scene);
@@ -180,7 +181,7 @@ ShadowBlock::~ShadowBlock() = default;
 std::unique_ptr<Subject> ShadowBlock::build(std::size_t m, const Knobs& knobs, int threads) {
   std::vector<Made::Question> questions;
   for (const Set& set : sets_) questions.push_back({set.receivers, set.what == What::motion});
-  return std::make_unique<Made>(methods_[m], Input{input_.scene, image_.list, threads}, knobs,
+  return std::make_unique<Made>(methods_[m], Input{input_.scene, asked_, threads}, knobs,
                                 std::move(questions), frames_, input_.must_answer);
 }
 

@@ -68,6 +68,7 @@ class ShadowBlock final : public Block {
   BlockInput input_;
   Tree tree_;
   Receivers image_;
+  std::vector<Receiver> asked_;  // of the image and of all lines
   std::vector<shading::Scene> frames_;
   std::vector<Set> sets_;
   std::vector<QuerySet> query_sets_;

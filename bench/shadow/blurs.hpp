@@ -10,7 +10,7 @@ namespace treeline::bench::shadow {
 inline std::vector<Knobs> blurs() {
   std::vector<Knobs> r;
   for (const auto& [resolution, radius] :
-       {std::pair{1024, 2}, {512, 1}, {1024, 8}, {256, 1}, {512, 4}, {1024, 0}, {2048, 4}, {2048, 16}})
+       {std::pair{1024, 2}, {512, 4}, {1024, 8}, {256, 1}, {512, 1}, {1024, 0}, {2048, 4}, {2048, 16}})
     r.push_back({{"resolution", resolution}, {"radius", radius}});
   return r;
 }

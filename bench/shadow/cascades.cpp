@@ -63,7 +63,7 @@ std::vector<Knobs> builds() {
                               {{"radius", 1}, {"smooth", true}, {"plane", true}},
                               {{"radius", 4}, {"smooth", true}, {"plane", true}}},
               .ladder = 13,
-              .quick_builds = 6},
+              .quick_builds = 4},
      .build = [](const Input& input, const Knobs& knobs) {
        return map_subject(
            input, slices(input, knobs), [](const Slices& s, const shading::Scene&, const Knobs& q) {

@@ -16,7 +16,7 @@ using namespace shading::shadow;
               .build_knobs = product(blurs(), {{{"exponent", 80}}, {{"exponent", 30}}}),
               .query_knobs = {{{"bias", 0}}, {{"bias", 1}}},
               .ladder = 5,
-              .quick_builds = 3},
+              .quick_builds = 2},
      .build = [](const Input& input, const Knobs& knobs) {
        return map_subject(input,
                           make_exponential_map(depth_map(input, knobs), knobs.at("exponent").get<double>(),

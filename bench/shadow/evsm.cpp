@@ -20,7 +20,7 @@ bool add(const char* name, int ladder) {
                     blurs(), {{{"positive", 40}, {"negative", 5}}, {{"positive", 5.54}, {"negative", 3}}}),
                 .query_knobs = {{{"cut", 0}}, {{"cut", 0.1}}, {{"cut", 0}, {"bias", 1}}},
                 .ladder = ladder,
-                .quick_builds = 3},
+                .quick_builds = 2},
        .build = [](const Input& input, const Knobs& knobs) {
          const Exponents c{knobs.at("positive").get<double>(), knobs.at("negative").get<double>()};
          return map_subject(input, make_warped_map<K>(depth_map(input, knobs), c, blur_of(input, knobs)),

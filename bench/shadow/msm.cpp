@@ -34,7 +34,7 @@ std::unique_ptr<ShadowSubject> build(const Input& input, const Knobs& knobs) {
                                                                {{"alpha", 3e-7}, {"cut", 0.1}},
                                                                {{"alpha", 3e-7}, {"bias", 1}}},
                                                .ladder = 10,
-                                               .quick_builds = 3},
+                                               .quick_builds = 2},
                                       .build = build<MomentMap<4>>});
 
 [[maybe_unused]] const bool in_16_bits =
@@ -48,7 +48,7 @@ std::unique_ptr<ShadowSubject> build(const Input& input, const Knobs& knobs) {
                                                                {{"alpha", 6e-5}, {"cut", 0.1}},
                                                                {{"alpha", 6e-5}, {"bias", 1}}},
                                                .ladder = 8,
-                                               .quick_builds = 3},
+                                               .quick_builds = 2},
                                       .build = build<QuantisedMoments>});
 
 }  // namespace

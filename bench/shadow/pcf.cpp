@@ -32,7 +32,7 @@ std::vector<Knobs> discs() {
               .build_knobs = resolutions(),
               .query_knobs = squares(),
               .ladder = 4,
-              .quick_builds = 3},
+              .quick_builds = 2},
      .build = [](const Input& input, const Knobs& knobs) {
        return map_subject(
            input, depth_map(input, knobs), [](const DepthMap& map, const shading::Scene&, const Knobs& q) {

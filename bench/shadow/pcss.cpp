@@ -26,7 +26,7 @@ std::vector<Knobs> taps_of_both() {
               .build_knobs = resolutions(),
               .query_knobs = taps_of_both(),
               .ladder = 12,
-              .quick_builds = 3},
+              .quick_builds = 2},
      .build = [](const Input& input, const Knobs& knobs) {
        return map_subject(input, depth_map(input, knobs),
                           [](const DepthMap& map, const shading::Scene& scene, const Knobs& q) {

@@ -24,7 +24,7 @@ using shading::shadow::ShadowMap;
                               {{"plane", true}},
                               {{"offset", 0.71}}},
               .ladder = 1,
-              .quick_builds = 3},
+              .quick_builds = 2},
      .build = [](const Input& input, const Knobs& knobs) {
        return map_subject(input, depth_map(input, knobs),
                           [](const DepthMap& map, const shading::Scene&, const Knobs& q) {

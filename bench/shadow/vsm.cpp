@@ -17,7 +17,7 @@ using namespace shading::shadow;
               .query_knobs =
                   {{{"cut", 0}}, {{"cut", 0.1}}, {{"cut", 0.25}}, {{"cut", 0.5}}, {{"cut", 0}, {"bias", 1}}},
               .ladder = 6,
-              .quick_builds = 3},
+              .quick_builds = 2},
      .build = [](const Input& input, const Knobs& knobs) {
        return map_subject(input, make_variance_map(depth_map(input, knobs), {blur_of(input, knobs)}),
                           [](const MomentMap<2>& map, const shading::Scene&, const Knobs& q) {

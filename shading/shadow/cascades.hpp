@@ -58,12 +58,17 @@ struct CascadeViews {
   Vec3d eye{}, axis{0, 0, -1};   ///< of the camera
 
   double distance(const Vec3d& p) const { return dot(p - eye, axis); }
-  /// The slice that holds a point; the first or the last for one beyond them.
+  /// The slice of a point's distance; if its map does not hold the point, the next farther one whose map
+  /// does.
   std::size_t slice(const Vec3d& p) const {
     const double z = distance(p);
-    std::size_t i = 0;
-    while (i + 1 < views.size() && !(z < splits[i + 1])) ++i;
-    return i;
+    std::size_t own = 0;
+    while (own + 1 < views.size() && !(z < splits[own + 1])) ++own;
+    for (std::size_t i = own; i < views.size(); ++i) {
+      const LightView::Place q = views[i].place(p);
+      if (q.x >= 0 && q.x < 1 && q.y >= 0 && q.y < 1) return i;
+    }
+    return own;
   }
 };
 

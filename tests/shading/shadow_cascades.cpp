@@ -181,6 +181,31 @@ TEST(Cascades, AnswerAsTheMapOfTheirSlice) {
   EXPECT_LT(shadowed, 500);
 }
 
+TEST(Cascades, APointBesideItsSlicesMapIsSoughtInFartherOnes) {
+  const LightView whole = slanted();
+  const Camera camera = walker({1, 2, 3});
+  const std::vector<Vec3d> points = seen(camera, 60, 5000, 7);
+  const CascadeViews c = fit_cascades(whole, camera, points);
+  Pcg32 random(8);
+  int sought = 0;
+  for (int n = 0; n < 2000; ++n) {
+    // Near the camera by its axis, and beside the near slices.
+    const Vec3d p = camera.position + c.axis * random.uniform(c.splits[0], c.splits[1]) +
+                    whole.right * random.uniform(-15.0, 15.0) + whole.down * random.uniform(-15.0, 15.0);
+    const auto holds = [&](std::size_t i) {
+      const auto q = c.views[i].place(p);
+      return q.x >= 0 && q.x < 1 && q.y >= 0 && q.y < 1;
+    };
+    std::size_t own = 0;
+    while (own + 1 < c.views.size() && c.distance(p) >= c.splits[own + 1]) ++own;
+    std::size_t expected = own;
+    while (expected < c.views.size() && !holds(expected)) ++expected;
+    ASSERT_EQ(c.slice(p), expected < c.views.size() ? expected : own);
+    sought += expected > own && expected < c.views.size();
+  }
+  EXPECT_GT(sought, 100);
+}
+
 TEST(Cascades, RefuseWhatTheyCannotTake) {
   const LightView whole = slanted();
   const Camera camera = walker({1, 2, 3});
