@@ -80,17 +80,27 @@ class Claim:
                           figure=self.figure, unit=self.unit)  # fmt: skip
 
 
+STEEP, FLAT = "tilted_plane_85_0", "tilted_plane"
+
+
 def acne(claim, rows):
     c = Claim(claim, rows, "false shadow, share of the plane")
-    steep, flat = "tilted_plane_85_0", "tilted_plane_60_0"
-    for words, query in (("without bias, a plane lit at 85° has more false shadow than one at 60°", {"bias": 0}),
-                         ("under a constant bias it has", {"constant": 0.005})):  # fmt: skip
-        pair = [c.rows.one(d, "image", "shadow_map", query=query) for d in (steep, flat)]
-        if all(pair):
-            a, b = (field(r, "false_dark") for r in pair)
-            c.say(words, a, a > ROOM * b + SOME, pair, "false_dark")
-    by_angle = [r for d in (steep, flat, "tilted_plane_60_45", "tilted_plane_88_0")
-                if (r := c.rows.one(d, "image", "shadow_map", query={"bias": 1}))]  # fmt: skip
+    build = {"resolution": 1024}
+    pair = [c.rows.one(d, "image", "shadow_map", build, {"bias": 0}) for d in (STEEP, FLAT)]
+    if all(pair):
+        a, b = (field(r, "false_dark") for r in pair)
+        c.say("without bias, a plane lit at 85° has more false shadow than one at 60°", a, a > ROOM * b + SOME, pair, "false_dark")
+    # Constants are shares of the depth range, which is longer at 85°: of all pairs, those where it has no less bias.
+    steep, flat = ([r for r in c.rows.find(d, "image", "shadow_map", build) if set(r.query_knobs) == {"constant"}
+                    and field(r, "figure_bias") is not None] for d in (STEEP, FLAT))  # fmt: skip
+    pairs = [(a, b) for a in steep for b in flat if field(a, "figure_bias") >= field(b, "figure_bias")]
+    pairs = [p for p in pairs if field(p[0], "false_dark") > SOME or field(p[1], "false_dark") > SOME]
+    if pairs:
+        a, b = min(pairs, key=lambda p: field(p[0], "figure_bias") / field(p[1], "figure_bias"))
+        worse = field(a, "false_dark") > ROOM * field(b, "false_dark") + SOME
+        c.say("under as much bias in metres, or more, it has", field(a, "false_dark"), worse, [a, b], "false_dark")
+    by_angle = [r for d in (STEEP, FLAT, "tilted_plane_60_45", "tilted_plane_88_0")
+                if (r := c.rows.one(d, "image", "shadow_map", build, {"bias": 1}))]  # fmt: skip
     if by_angle:
         worst = max(field(r, "false_dark") for r in by_angle)
         c.say("a bias by the slope's bound leaves none", worst, worst == 0, by_angle, "false_dark")
@@ -118,8 +128,8 @@ CASTERS = ("slab_and_sheet", "open_casters", "wall_on_floor", "sphere_over_floor
 
 
 def second_depth(claim, rows):
-    """Unbiased, as right as the plain map under its bias, on casters of every kind."""
-    c = Claim(claim, rows, "most error over that of the plain map with bias", "scenes")
+    """Without bias, no more false shadow and no more false light than a plain map has under its bias."""
+    c = Claim(claim, rows, "share of the pixels beyond the plain map's, on the worst scene", "scenes")
     for method in BETWEEN:
         pairs = []
         for dataset in CASTERS:
@@ -127,10 +137,10 @@ def second_depth(claim, rows):
             plain = c.rows.one(dataset, "image", "shadow_map", {"resolution": 1024}, {"bias": 1})
             if own and plain:
                 pairs.append((own, plain))
-        if pairs:
-            worst = max(own.error / plain.error if plain.error else 1 for own, plain in pairs)
-            c.say(f"{method} needs no bias: without, it is nowhere more wrong than a map with one", worst, worst <= ROOM,
-                  [own for own, _ in pairs], "error", lambda r: r.error)  # fmt: skip
+        for name, words in (("false_dark", "without bias {} has no more false shadow than a plain map with one"),
+                            ("false_lit", "nor has {} more false light")) if pairs else ():  # fmt: skip
+            worst = max(field(own, name) - field(plain, name) for own, plain in pairs)
+            c.say(words.format(method), worst, worst <= SOME, [own for own, _ in pairs], name)
     return c.verdict()
 
 
@@ -262,11 +272,15 @@ def volumes(claim, rows):
         if found:
             worst = max(map(wrong, found))
             c.say(words, worst, supports(worst), found, "false_share", wrong)
-    for cut, words in (("far", "a far plane in the scene makes z-fail fail"), ("caps", "as does a volume without caps")):
-        found = [r for d in inside if (r := c.rows.one(d, "image", "shadow_volumes_cut", build={"cut": cut}))]
+    for cut, words, datasets in (
+        ("far", "z-fail works with a far plane at the end of the scene", inside),
+        ("caps", "it works without the caps at the far end", inside),
+        ("casters", "it works on open casters with the faces alone that look to the light", outside),
+    ):
+        found = [r for d in datasets if (r := c.rows.one(d, "image", "shadow_volumes_cut", build={"cut": cut}))]
         if found:
             worst = max(map(wrong, found))
-            c.say(words, worst, worst > SOME, found, "false_share", wrong)
+            c.say(words, worst, worst <= SOME, found, "false_share", wrong)
     return c.verdict()
 
 

@@ -189,6 +189,11 @@ std::span<const float> ShadowBlock::answers(const Subject& subject) {
   return dynamic_cast<const Made&>(subject).answers;
 }
 
+bool ShadowBlock::offers(std::size_t m) const {
+  const auto& only = input_.only;
+  return only.empty() || std::ranges::find(only, methods_[m].info.name) != only.end();
+}
+
 void ShadowBlock::find_truth() {
   for (std::size_t set = 0; set < sets_.size(); ++set) truth_of(set);
   split();
@@ -255,8 +260,10 @@ Errors ShadowBlock::check(std::size_t m, const Subject& subject, std::size_t que
   if (set.what == What::image) e.extra["shadow_split"] = split();
   if (set.line) note_line(*set.line, made, truth, e.extra);
   if (const auto figure = figure_of(input_.scene, query_sets_[query_set].name, methods_[m].info.name,
-                                    made.build_knobs(), query_knobs))
+                                    made.build_knobs(), query_knobs)) {
     e.extra["shadow_figure"] = figure->field, e.extra["shadow_figure_value"] = figure->value;
+    e.extra["shadow_figure_bias"] = number(figure->bias);
+  }
   e.extra.update(made.facts());
   return e;
 }

@@ -23,7 +23,8 @@ struct BlockInput {
   std::string truth_cache;
   int version = 0;
   bool quick = false;
-  bool must_answer = false;  // a refusal is wrong
+  bool must_answer = false;       // a refusal is wrong
+  std::vector<std::string> only;  // methods that the scene has something to say of; empty: all
 };
 
 /// The light of a frame: moved so that shadows move by about a tenth of a texel of a map of 1024 texels.
@@ -42,6 +43,7 @@ class ShadowBlock final : public Block {
   std::uint64_t seed() const override { return input_.seed; }
   std::uint64_t dataset_hash() const override { return input_.dataset_hash; }
   bool quick() const override { return input_.quick; }
+  bool offers(std::size_t method) const override;
 
   /// Of each set, once for all the children of a hard case.
   void find_truth();

@@ -33,9 +33,9 @@ std::optional<Figure> acne(const shading::Scene& scene, const Knobs& build, cons
   b += query.value("bias", 0.0) * 0.5 * rise * (diagonal ? std::numbers::sqrt2 : 1);
   b += query.value("offset", 0.0) * rise;
   if (query.value("plane", false)) b = rise;
-  if (!diagonal) return Figure{"shadow_false_dark", std::max(0.0, 0.5 - b / rise)};
+  if (!diagonal) return Figure{"shadow_false_dark", std::max(0.0, 0.5 - b / rise), b};
   const double left = std::max(0.0, 1 - b * std::numbers::sqrt2 / rise);
-  return Figure{"shadow_false_dark", 0.5 * left * left};
+  return Figure{"shadow_false_dark", 0.5 * left * left, b};
 }
 
 /// A bias b along the light lifts the receiver by b, and so over the wall if it is nearer to its foot than b
@@ -45,7 +45,7 @@ std::optional<Figure> gap(const shading::Scene& scene, const Knobs& query) {
   const auto view = view_of(scene);
   const double thickness = scene_knobs(scene.name, "wall_on_floor")[0];
   const double b = query.at("constant").get<double>() * (view.far - view.near);
-  return Figure{"shadow_gap", std::max(0.0, b * std::abs(scene.light.direction[0]) - thickness)};
+  return Figure{"shadow_gap", std::max(0.0, b * std::abs(scene.light.direction[0]) - thickness), b};
 }
 
 /// Blockers at depths a < b before the receiver t, r = (t - b)/(b - a), in shares p and 1 - p of the filter:
@@ -66,9 +66,8 @@ std::optional<Figure> figure_of(const shading::Scene& scene, const std::string& 
     return acne(scene, build, query);
   if (is_scene_of(scene.name, "wall_on_floor") && set == "contact" && method == "shadow_map")
     return gap(scene, query);
-  // A filter of few texels knows too few shares to come near the worst.
   if (is_scene_of(scene.name, "two_stacked") && set == "leak" && method == "vsm" &&
-      build.value("radius", 0) >= 8)
+      build.value("radius", 0) >= 1)
     return leak(scene, query);
   return std::nullopt;
 }

@@ -1,7 +1,8 @@
 // What theory says that a method is off by in a scene made for it: one field of the row, as a number.
 //
-// Rows carry both (shadow_figure names the field, shadow_figure_value is what it should be), tests hold them
-// against each other. Derivations stand at each figure in figures.cpp.
+// Rows carry both (shadow_figure names the field, shadow_figure_value is what it should be,
+// shadow_figure_bias the bias), tests hold them against each other. Derivations stand at each figure in
+// figures.cpp.
 #pragma once
 
 #include <optional>
@@ -15,6 +16,7 @@ namespace treeline::bench::shadow {
 struct Figure {
   std::string field;
   double value;
+  std::optional<double> bias{};  ///< that the method had, in lengths of the scene along the light
 };
 
 std::optional<Figure> figure_of(const shading::Scene&, const std::string& query_set,

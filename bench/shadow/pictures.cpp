@@ -22,8 +22,10 @@ using Colour = std::array<float, 3>;
 constexpr int columns = 6;  // of panels
 constexpr Colour not_asked{0.17f, 0.2f, 0.3f}, too_light{1.0f, 0.55f, 0.1f}, too_dark{0.25f, 0.6f, 1.0f};
 constexpr float right = 0.1f;           // the grey of no error
-constexpr double shown_from = 0.5;      // errors are shown by their square root, as most are small
+constexpr double shown = 0.5;           // the power of errors that is: most are small
 constexpr std::size_t least_steps = 3;  // of a strip
+/// Scenes that get strips: one of a single wide penumbra, one of distances. Many would be as many megabytes.
+constexpr const char* with_strips[] = {"sphere_over_floor", "city"};
 
 void put(Image& image, std::uint32_t pixel, const Colour& c) {
   std::copy_n(c.begin(), 3, image.values.begin() + std::ptrdiff_t{3} * pixel);
@@ -46,7 +48,7 @@ Image errors(const Receivers& seen, std::span<const float> answers, std::span<co
   for (std::size_t i = 0; i < answers.size(); ++i) {
     const double off = double(answers[i]) - truth[i];
     const Colour& full = off > 0 ? too_light : too_dark;
-    const auto share = static_cast<float>(std::pow(std::min(1.0, std::abs(off)), shown_from));
+    const auto share = static_cast<float>(std::pow(std::min(1.0, std::abs(off)), shown));
     Colour c;
     for (std::size_t k = 0; k < 3; ++k) c[k] = right + share * (full[k] - right);
     put(image, seen.pixel[i], c);
@@ -172,6 +174,8 @@ void draw_pictures(const std::vector<Method>& methods, ShadowBlock& block, const
     const Answered& best = *std::ranges::min_element(all, {}, &Answered::error);
     panels.push_back(painter.panel(best));
     names += fmt::format(", {}{} {:.3g}", info.name, knobs_of(best), best.error);
+    if (info.source == Source::peer || std::ranges::find(with_strips, dataset) == std::end(with_strips))
+      continue;
     for (std::size_t b = 1; b < std::min(info.build_knobs.size(), info.quick_builds); ++b)
       for (Answered& a : painter.asked(m, info.build_knobs[b])) all.push_back(std::move(a));
     const auto [knob, run] = strip_of(all);

@@ -19,6 +19,7 @@ using shading::shadow::ShadowMap;
                               {{"bias", 0.5}},
                               {{"bias", 2}},
                               {{"bias", 4}},
+                              {{"constant", 0.0001}},
                               {{"constant", 0.0005}},
                               {{"constant", 0.05}},
                               {{"plane", true}},
