@@ -1,6 +1,7 @@
-// treeline_gen RECIPE FILE: makes one dataset and writes it as PLY, OBJ, PCD, XYZ or CSV.
-// treeline_gen --check FILE: what is wrong with a mesh. treeline_gen --decimate RATIO IN OUT: a mesh of fewer
-// faces. Exit status: 0 done, and nothing found; 1 the check found something; 2 unusable arguments or files.
+// treeline_gen RECIPE FILE: makes one dataset and writes it as PLY, OBJ, PCD, XYZ or CSV, an image as PNG or
+// EXR. treeline_gen --check FILE: what is wrong with a mesh. treeline_gen --decimate RATIO IN OUT: a mesh of
+// fewer faces. Exit status: 0 done, and nothing found; 1 the check found something; 2 unusable arguments or
+// files.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -29,7 +30,19 @@ struct Arguments {
 };
 
 const char* kind_name(Kind kind) {
-  return kind == Kind::cloud ? "cloud" : kind == Kind::mesh ? "mesh" : "vectors";
+  switch (kind) {
+    case Kind::cloud:
+      return "cloud";
+    case Kind::mesh:
+      return "mesh";
+    case Kind::vectors:
+      return "vectors";
+    case Kind::scene:
+      return "scene";
+    case Kind::image:
+      return "image";
+  }
+  return "";
 }
 
 void list() {
@@ -55,7 +68,9 @@ void refuse_existing(const Arguments& a) {
 
 Dataset read_mesh(const std::string& file) {
   Dataset d = read(file);
-  if (d.kind != Kind::mesh) throw FileError(file, "", "holds points and no faces");
+  if (d.kind != Kind::mesh)
+    throw FileError(file, "",
+                    d.kind == Kind::image ? "is an image, not a mesh" : "holds points and no faces");
   return d;
 }
 
@@ -69,7 +84,10 @@ void make(const Arguments& a) {
   if (shown) fmt::print(stderr, "\n");
   write(made, a.file, a.force);
   fmt::print("{}: {} {}, hash {:016x}\n", a.file, made.size(),
-             made.kind == Kind::cloud ? "points" : "triangles", made.hash());
+             made.kind == Kind::cloud   ? "points"
+             : made.kind == Kind::image ? "pixels"
+                                        : "triangles",
+             made.hash());
   if (made.kind != Kind::scene) return;
   const treeline::shading::Camera& c = made.scene.camera;
   fmt::print("light: {}\ncamera: at {},{},{} towards {},{},{}\n", format_light(made.scene.light),
@@ -129,11 +147,13 @@ void check_arguments(const Arguments& a, bool decimates) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "Makes a dataset from a recipe and a seed, and writes it to a file (.ply, .obj, .pcd, .xyz, .csv).");
+      "Makes a dataset from a recipe and a seed, and writes it to a file (.ply, .obj, .pcd, .xyz, .csv; "
+      ".png, .exr).");
   Arguments a;
   app.add_option("recipe", a.recipe, "which one; see --list (with --check and --decimate: the file to read)");
   app.add_option("file", a.file, "where to; the extension tells the format");
-  app.add_option("--n", a.n, "points of a cloud or triangles of a mesh, 1e3 to 1e7")->capture_default_str();
+  app.add_option("--n", a.n, "points of a cloud, triangles of a mesh or pixels of an image, 1e3 to 1e7")
+      ->capture_default_str();
   app.add_option("--seed", a.seed, "the same seed gives the same bits on every machine")
       ->capture_default_str()
       ->check([](const std::string& text) {  // which would wrap

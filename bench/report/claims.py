@@ -1,7 +1,7 @@
 """The claims ledger: sentences that courses repeat, each held against the rows. No verdict is ever typed in.
 
 claims.json lists the sentences, each with its kind. Here are those about which structure is faster ("contest"); those about
-sizes and answers are in measures.py. A contest's claim names the family it favours, and the datasets and query sets it
+sizes and answers are in measures.py and textures.py. A contest's claim names the family it favours, and the datasets and query sets it
 is about. Two contests decide, for no single one is fair to all:
 
     binary   our binary trees with leaves of one size: what the structures themselves are worth
@@ -77,9 +77,9 @@ class Verdict:
 
 def ledger(rows):
     """A verdict for every claim of the list."""
-    from bench.report import measures, shadow_claims
+    from bench.report import measures, shadow_claims, textures
 
-    kinds = {"contest": judge, **measures.KINDS, **shadow_claims.KINDS}
+    kinds = {"contest": judge, **measures.KINDS, **textures.KINDS, **shadow_claims.KINDS}
     return [kinds[claim.get("kind", "contest")](claim, rows) for claim in json.loads(LIST.read_text())]
 
 

@@ -96,6 +96,21 @@ TASKS = {
           "the closest hit after the vertices have moved, on an index that was refitted, or built anew"),
          ("camera_threads, random_threads, shadow_threads",
           "the same as those without _threads, many more rays, for thread scaling"))),
+    "region_average": TaskText(
+        "Means of regions of textures",
+        "What is the mean of a region of a texture?",
+        "texel", "query", "root mean square error over the range",
+        "How far a mean is off, over the range of the texture's values. Beyond its borders a texture goes on as its outermost "
+        "texels. Tables promise boxes along the axes alone, and give other shapes the box of their variances; pyramids "
+        "promise nothing. Sizes are in texels; sets called …_sorted ask the same footprints in the order of a picture.",
+        (("texel, aligned16", "squares of 1 and 16 whole texels, with corners at multiples of their side"),
+         ("square4, square24", "squares anywhere"),
+         ("oblong", "64 x 4 and 4 x 64, anywhere"),
+         ("rotated", "32 x 8, at any angle"),
+         ("disc", "of radius 12"),
+         ("gaussian", "of deviation 6, cut off at three deviations"),
+         ("build", "the structure is made anew, in its own memory; a query is a texel; that of nearest is a plain copy"),
+         ("square24_threads, build_threads", "the same as those without _threads, for thread scaling"))),
     "closest_point": TaskText(
         "Closest points of triangle meshes",
         "Which point of a mesh lies nearest to a query, and on which triangle?",

@@ -39,6 +39,23 @@ TEST_F(Program, ChecksFiles) {
   EXPECT_EQ(run("--json good.ply a.ply").status, 2);
 }
 
+TEST_F(Program, WritesTextures) {
+#ifndef TREELINE_HAVE_OPENIMAGEIO
+  GTEST_SKIP();
+#endif
+  const Result listed = run("--list");
+  EXPECT_NE(listed.output.find("marble"), std::string::npos) << listed.output;
+  EXPECT_NE(listed.output.find("image"), std::string::npos);
+  const Result made = run("--n 2500 marble a.png");
+  EXPECT_EQ(made.status, 0) << made.output;
+  EXPECT_NE(made.output.find("2500 pixels"), std::string::npos) << made.output;
+  EXPECT_EQ(read(folder() / "a.png").hash(), generate("marble", 2500, 1).hash());
+  EXPECT_EQ(run("--n 2500 ramp a.exr").status, 0);
+  EXPECT_EQ(run("--n 2500 ramp b.png").status, 2) << "PNG has no floats";
+  EXPECT_EQ(run("--n 2500 marble b.ply").status, 2);
+  EXPECT_EQ(run("--check a.png").status, 2);
+}
+
 TEST_F(Program, Decimates) {
   if (!reads("ply")) GTEST_SKIP();
   write(generate("icosphere", 5000, 1), folder() / "in.ply");
