@@ -295,6 +295,13 @@ TEST(ShadowProgram, LightsThatAreNoneAreRefused) {
   EXPECT_EQ(status_of("--profile smoke --light directional:0.2,-1,0.1:1 --benchmark_filter=/unshadowed/"), 0);
 }
 
+TEST(ShadowProgram, ScenesTakeKnobs) {
+  const std::string one = " --benchmark_filter=/unshadowed/";
+  EXPECT_EQ(status_of("--profile smoke --dataset two_stacked_0.1:200" + one), 0);
+  for (const char* bad : {"two_stacked_99", "two_stacked_0.1_5", "two_stacked_x", "icosphere", "two_stack"})
+    EXPECT_EQ(status_of("--profile smoke --dataset " + std::string(bad) + one), 2) << bad;
+}
+
 TEST(ShadowProgram, InputIsAMeshOfAnyKind) {
   const auto folder = std::filesystem::temp_directory_path() / "treeline_shadow_input";
   std::filesystem::create_directories(folder);
