@@ -77,19 +77,20 @@ class Cards(unittest.TestCase):
 
 class Claims(unittest.TestCase):
     def test_acne(self):
-        def planes(at_angle):
+        def planes(flat, steep):
+            """Of each the false shadow and the bias in metres under a constant."""
             out = []
-            for angle, constant in at_angle:
-                name = f"shadow_tilted_plane_{angle}_0"
-                for query, dark in (({"bias": 0}, 0.5), ({"constant": 0.005}, constant), ({"bias": 1}, 0.0)):
-                    out.append(row(MAP, name, query=query, hard=True, build={"resolution": 1024}, false_dark=dark))
+            for name, (dark, bias) in (("tilted_plane", flat), ("tilted_plane_85_0", steep)):
+                for query, false, metres in (({"bias": 0}, 0.5, 0.0), ({"constant": 0.005}, dark, bias), ({"bias": 1}, 0.0, 0.1)):
+                    out.append(row(MAP, name, query=query, build={"resolution": 1024}, false_dark=false, figure_bias=metres))
             return out
 
-        v = verdict("H1", *planes(((60, 0.1), (85, 0.45))))
+        v = verdict("H1", *planes((0.1, 0.01), (0.45, 0.02)))
         self.assertEqual(v.word, claims.ONLY_IF)  # without bias the angle makes no difference
-        self.assertIn("constant bias", v.condition)
+        self.assertIn("under as much bias in metres", v.condition)
         self.assertIn("leaves none", v.condition)
-        self.assertEqual(verdict("H1", *planes(((60, 0.1), (85, 0.1)))).condition, "a bias by the slope's bound leaves none")
+        for flat, steep in (((0.1, 0.01), (0.1, 0.01)), ((0.1, 0.02), (0.45, 0.01))):  # as dark; under less bias
+            self.assertEqual(verdict("H1", *planes(flat, steep)).condition, "a bias by the slope's bound leaves none")
 
     def test_contact(self):
         def walls(gaps):
