@@ -125,6 +125,19 @@ TASKS = {
          ("centre", "in the middle of the box, where much is about as near"),
          ("on_vertex", "a vertex, or a point that shares one or two coordinates with one"),
          ("near_threads, uniform_threads", "the same as those without _threads, more queries, for thread scaling"))),
+    "shadow": TaskText(
+        "Shadows",
+        "How much of the light does each point see that the camera sees?",
+        "triangle", "pixel", "RMS error of the share of light seen",
+        "Over the pixels whose surface has the whole light above it, the root of the mean square of how far the share of the "
+        "light is off; bias is the signed mean, above 0 too light. At a hard shadow's border every map is wrong somewhere, so "
+        "that single pixels are no limit. A share is one of the light's area, not weighted by a cosine. Times are of a query; "
+        "maps, fields and trees are made in the build.",
+        (("image", "all that the camera sees"),
+         ("edge", "a line across a penumbra"),
+         ("contact", "from the foot of a wall into its shadow"),
+         ("leak", "below two or three blockers, where none is lit"),
+         ("motion", "how the answer changes while the light moves by tenths of a texel, beside how it should"))),
 }  # fmt: skip
 
 
