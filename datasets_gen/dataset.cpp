@@ -23,6 +23,22 @@ void Dataset::keep_precise(geometry::Cloud3d points) {
   }
 }
 
+std::size_t Dataset::size() const {
+  switch (kind) {
+    case Kind::cloud:
+      return cloud.size();
+    case Kind::mesh:
+      return mesh.size();
+    case Kind::vectors:
+      return vectors.size();
+    case Kind::scene:
+      return scene.mesh.size();
+    case Kind::image:
+      return static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  }
+  return 0;
+}
+
 std::uint64_t Dataset::hash() const {
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
   XXH3_64bits_reset(state.get());
@@ -38,6 +54,9 @@ std::uint64_t Dataset::hash() const {
   } else if (kind == Kind::vectors) {
     add(std::vector<std::uint64_t>{vectors.columns});
     add(vectors.scalars);
+  } else if (kind == Kind::image) {
+    add(std::vector<std::int32_t>{image.width, image.height, image.channels});
+    add(image.values);
   } else if (kind == Kind::scene) {
     add(scene.mesh.vertices), add(scene.mesh.faces);
     const shading::Camera& c = scene.camera;

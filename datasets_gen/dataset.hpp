@@ -11,11 +11,12 @@
 
 #include "geometry/cloud.hpp"
 #include "geometry/mesh.hpp"
+#include "shading/image.hpp"
 #include "shading/scene.hpp"
 
 namespace treeline::datasets {
 
-enum class Kind { cloud, mesh, vectors, scene };
+enum class Kind { cloud, mesh, vectors, scene, image };
 
 /// Points of any dimension: row after row.
 struct Vectors {
@@ -37,18 +38,16 @@ struct Dataset {
   geometry::Mesh3f mesh;  // kind mesh
   Vectors vectors;        // kind vectors
   shading::Scene scene;   // kind scene; its mesh is here, not in `mesh`
+  shading::Image image;   // kind image
   bool closed = false;    // mesh: closed and consistently oriented, as the recipe promises or adjacency finds
   std::vector<std::string> notes;  // what a user should know, e.g. coordinates that float could not hold
 
   /// Sets `precise`, and from it `cloud` and `rounding`.
   void keep_precise(geometry::Cloud3d points);
-  /// Points of a cloud, faces of a mesh or scene, rows of vectors.
-  std::size_t size() const {
-    if (kind == Kind::scene) return scene.mesh.size();
-    return kind == Kind::cloud ? cloud.size() : kind == Kind::mesh ? mesh.size() : vectors.size();
-  }
-  /// 64-bit hash of the content alone (coordinates bit by bit, and indices; of a scene also what its light
-  /// and camera are): equal content, equal hash.
+  /// Points of a cloud, faces of a mesh or scene, rows of vectors, pixels of an image.
+  std::size_t size() const;
+  /// 64-bit hash of the content alone (coordinates or values bit by bit, and indices; of a scene also what
+  /// its light and camera are): equal content, equal hash.
   std::uint64_t hash() const;
 };
 
@@ -70,12 +69,12 @@ std::span<const Recipe> recipes();
 std::span<const Recipe> special_recipes();
 
 /// Also takes the scenes of scenes/scene.hpp, with their knobs.
-/// Makes n rows, about n points or exactly as near to n faces as the recipe allows (1e3 ≤ n ≤ 1e7); the same
-/// name, n and seed give the same bits on every machine and with any number of threads. Of vectors, the
-/// first rows do not depend on n.
-/// A mesh may be damaged, by one kind after the other of meshes/damage.hpp: "icosphere+hole_2",
-/// "icosphere+unwelded"; n is then that of the whole mesh, and `closed` is found from what is left. Throws
-/// std::invalid_argument for an unknown name (listing those known) or n out of range.
+/// Makes n rows, about n points, exactly as near to n faces as the recipe allows (1e3 ≤ n ≤ 1e7), or the
+/// square image of about n pixels (1e3 ≤ n ≤ 2^26); the same name, n and seed give the same bits on every
+/// machine and with any number of threads. Of vectors, the first rows do not depend on n. A mesh may be
+/// damaged, by one kind after the other of meshes/damage.hpp: "icosphere+hole_2", "icosphere+unwelded"; n is
+/// then that of the whole mesh, and `closed` is found from what is left. Throws std::invalid_argument for an
+/// unknown name (listing those known) or n out of range.
 Dataset generate(std::string_view name, std::size_t n, std::uint64_t seed, const Progress& progress = {});
 
 }  // namespace treeline::datasets

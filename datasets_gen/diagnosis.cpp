@@ -66,6 +66,10 @@ void add_lines(std::string& out, const geometry::Mesh3f& mesh, const char* text,
 }
 
 const char* yes_or_no(bool x) { return x ? "yes" : "no"; }
+/// Why not, too: edges with three faces leave a mesh as open as those with one.
+std::string closed_or_not(bool closed, std::size_t odd_edges) {
+  return closed ? "closed: yes" : fmt::format("closed: no, {} edges have an odd number of faces", odd_edges);
+}
 
 // ---- JSON -----------------------------------------------------------------------------------------------
 
@@ -120,7 +124,8 @@ std::string as_text(const Dataset& dataset, const Diagnosis& d) {
   std::string out =
       fmt::format("{}: {} triangles, {} vertices, {} edges\n", dataset.name, m.faces, m.vertices, m.edges);
   for (const std::string& note : dataset.notes) out += fmt::format("  read with a note: {}\n", note);
-  out += fmt::format("  closed: {}; consistently oriented: {}; ", yes_or_no(m.closed), yes_or_no(m.oriented));
+  out += fmt::format("  {}; consistently oriented: {}; ", closed_or_not(m.closed, m.odd_edges),
+                     yes_or_no(m.oriented));
   if (m.closed && m.oriented && !std::isfinite(m.volume))
     out += "no volume, as a vertex is not finite\n";
   else if (m.closed && m.oriented)
@@ -138,11 +143,11 @@ std::string as_text(const Dataset& dataset, const Diagnosis& d) {
             crossings_of(d.crossings));
   if (m.duplicate_vertices.count > 0)
     out += fmt::format(
-        "  with vertices at equal positions joined: {} vertices, closed: {}, oriented: {}, {} edges with one "
-        "face, {} with "
-        "more than two\n",
-        m.welded.vertices, yes_or_no(m.welded.closed), yes_or_no(m.welded.oriented), m.welded.boundary_edges,
-        m.welded.non_manifold_edges);
+        "  with vertices at equal positions joined: {} vertices; {}; consistently oriented: {}; {} edges "
+        "with "
+        "one face, {} with more than two\n",
+        m.welded.vertices, closed_or_not(m.welded.closed, m.welded.odd_edges), yes_or_no(m.welded.oriented),
+        m.welded.boundary_edges, m.welded.non_manifold_edges);
   if (d.half_edges && !d.half_edges->faithful())
     out += fmt::format(
         "  OpenMesh's half-edges cannot hold this: it would copy {} vertices and leave out {} faces, and "
@@ -155,17 +160,18 @@ std::string as_json(const Dataset& dataset, const Diagnosis& d) {
   const MeshCheck& m = d.mesh;
   std::string out = fmt::format(
       R"({{"file":{},"faces":{},"vertices":{},"edges":{},"closed":{},"oriented":{},"volume":{},"components":{},)"
-      R"("inward_components":{},"boundary_loops":{},"clean":{})",
+      R"("inward_components":{},"odd_edges":{},"boundary_loops":{},"clean":{})",
       quoted(dataset.name), m.faces, m.vertices, m.edges, m.closed, m.oriented,
       m.closed && m.oriented ? number_or_null(m.volume) : "null", m.components, m.inward_components,
-      m.boundary_loops, d.clean());
+      m.odd_edges, m.boundary_loops, d.clean());
   for (const Named& n : findings_of(m))
     out += fmt::format(R"(,"{}":{})", n.key, json_of(dataset.mesh, n.finding));
   out += fmt::format(R"(,"self_intersections":{})", json_of(dataset.mesh, crossings_of(d.crossings)));
-  out += fmt::format(
-      R"(,"welded":{{"vertices":{},"closed":{},"oriented":{},"boundary_edges":{},"non_manifold_edges":{}}})",
-      m.welded.vertices, m.welded.closed, m.welded.oriented, m.welded.boundary_edges,
-      m.welded.non_manifold_edges);
+  out +=
+      fmt::format(R"(,"welded":{{"vertices":{},"closed":{},"oriented":{},"odd_edges":{},"boundary_edges":{},)"
+                  R"("non_manifold_edges":{}}})",
+                  m.welded.vertices, m.welded.closed, m.welded.oriented, m.welded.odd_edges,
+                  m.welded.boundary_edges, m.welded.non_manifold_edges);
   if (d.half_edges)
     out += fmt::format(R"(,"openmesh":{{"copied_vertices":{},"lost_faces":{},"boundary_edges":{}}})",
                        d.half_edges->copied_vertices, d.half_edges->lost_faces, d.half_edges->boundary_edges);

@@ -64,6 +64,18 @@ struct Job {
     each(n, row, 1, 256);
     return r;
   }
+  /// The square image nearest to n pixels; make(x, y, pixel) writes a pixel's channels.
+  template <class Make>
+  shading::Image image(int channels, const Make& make) const {
+    const auto side = static_cast<std::size_t>(std::sqrt(static_cast<double>(n)) + 0.5);
+    shading::Image r(static_cast<int>(side), static_cast<int>(side), channels);
+    const auto pixel = [&](std::size_t i) {
+      const auto x = static_cast<int>(i % side), y = static_cast<int>(i / side);
+      make(x, y, std::span(r.values).subspan(r.index(x, y), static_cast<std::size_t>(channels)));
+    };
+    each(side * side, pixel);
+    return r;
+  }
 };
 
 // One function per recipe; the table is in recipes.cpp.
@@ -87,5 +99,12 @@ geometry::Mesh3f caps(const Job&);
 
 Vectors uniform_vectors(const Job&, std::size_t columns);
 Vectors descriptors(const Job&, std::size_t columns);
+
+shading::Image noise(const Job&);
+shading::Image ramp(const Job&);
+shading::Image checkers(const Job&);
+shading::Image mask(const Job&);
+shading::Image star(const Job&);
+shading::Image marble(const Job&);
 
 }  // namespace treeline::datasets

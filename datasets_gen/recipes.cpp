@@ -15,6 +15,7 @@ using MakeCloud = geometry::Cloud3f (*)(const Job&);
 using MakePrecise = geometry::Cloud3d (*)(const Job&);
 using MakeMesh = geometry::Mesh3f (*)(const Job&);
 using MakeVectors = Vectors (*)(const Job&, std::size_t columns);
+using MakeImage = shading::Image (*)(const Job&);
 
 struct Entry {
   Recipe recipe;
@@ -23,6 +24,7 @@ struct Entry {
   MakeMesh make_mesh = nullptr;
   MakeVectors make_vectors = nullptr;
   std::size_t columns = 0;
+  MakeImage make_image = nullptr;
 };
 
 Entry cloud(MakeCloud make, const char* name, const char* summary) {
@@ -38,8 +40,12 @@ Entry vectors(MakeVectors make, const char* name, std::size_t columns, const cha
   return {.recipe = {name, Kind::vectors, summary, false}, .make_vectors = make, .columns = columns};
 }
 
-const std::array<Entry, 20>& table() {
-  static const std::array<Entry, 20> entries{
+Entry image(MakeImage make, const char* name, const char* summary) {
+  return {.recipe = {name, Kind::image, summary, false}, .make_image = make};
+}
+
+const std::array<Entry, 26>& table() {
+  static const std::array<Entry, 26> entries{
       cloud(uniform_cube, "uniform_cube", "uniform in the unit cube"),
       cloud(uniform_ball, "uniform_ball", "uniform in the unit ball"),
       cloud(displaced_sphere, "displaced_sphere", "on the surface of a rough sphere"),
@@ -62,6 +68,12 @@ const std::array<Entry, 20>& table() {
       vectors(uniform_vectors, "uniform_8", 8, "uniform in the unit cube of 8 dimensions"),
       vectors(uniform_vectors, "uniform_32", 32, "uniform in the unit cube of 32 dimensions"),
       vectors(uniform_vectors, "uniform_128", 128, "uniform in the unit cube of 128 dimensions"),
+      image(noise, "noise", "a random level of 256 in each pixel: nothing to compress, nothing to guess"),
+      image(ramp, "ramp", "a plane in floats, brighter to the right and downwards"),
+      image(checkers, "checkers", "boards of squares of 1 to 64 pixels, black and white"),
+      image(mask, "mask", "blobs and threads of black and white, as of leaves and fences"),
+      image(star, "star", "spokes and rings whose frequency rises to one pixel"),
+      image(marble, "marble", "veins of four channels, 8 bits each"),
   };
   return entries;
 }
@@ -94,7 +106,7 @@ const Entry& entry_named(std::string_view name) {
   throw std::invalid_argument("no recipe is called '" + std::string(name) + "'; known: " + known);
 }
 
-constexpr std::size_t least_n = 1'000, largest_n = 10'000'000;
+constexpr std::size_t least_n = 1'000, largest_n = 10'000'000, largest_image = std::size_t{1} << 26;
 
 Dataset generate_scene(std::string_view name, std::string_view base, std::size_t n, std::uint64_t seed,
                        const Progress& progress) {
@@ -139,9 +151,10 @@ Dataset generate(std::string_view name, std::size_t n, std::uint64_t seed, const
   }
   if (!damages.empty() && entry->recipe.kind != Kind::mesh)
     throw std::invalid_argument("'" + std::string(base) + "' is no mesh; only meshes can be damaged");
-  if (n < least_n || n > largest_n)
+  const std::size_t most = entry->make_image ? largest_image : largest_n;
+  if (n < least_n || n > most)
     throw std::invalid_argument("n = " + std::to_string(n) + " is out of range: recipes make " +
-                                std::to_string(least_n) + " to " + std::to_string(largest_n) + " elements");
+                                std::to_string(least_n) + " to " + std::to_string(most) + " elements");
   Ticker ticker(progress);
   const Job job{n, seed, ticker};
   Dataset r;
@@ -155,6 +168,8 @@ Dataset generate(std::string_view name, std::size_t n, std::uint64_t seed, const
     r.keep_precise(entry->make_precise(job));
   else if (entry->make_vectors)
     r.vectors = entry->make_vectors(job, entry->columns);
+  else if (entry->make_image)
+    r.image = entry->make_image(job);
   else
     r.mesh = entry->make_mesh(job);
   if (damages.empty()) return r;

@@ -1,6 +1,7 @@
-// treeline_gen RECIPE FILE: makes one dataset and writes it as PLY, OBJ, PCD, XYZ or CSV.
-// treeline_gen --check FILE: what is wrong with a mesh. treeline_gen --decimate RATIO IN OUT: a mesh of fewer
-// faces. Exit status: 0 done, and nothing found; 1 the check found something; 2 unusable arguments or files.
+// treeline_gen RECIPE FILE: makes one dataset and writes it as PLY, OBJ, PCD, XYZ or CSV, an image as PNG or
+// EXR. treeline_gen --check FILE: what is wrong with a mesh. treeline_gen --decimate RATIO IN OUT: a mesh of
+// fewer faces, and what that lost. Exit status: 0 done, and nothing found; 1 the check found something; 2
+// unusable arguments or files.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -9,27 +10,40 @@
 #include "datasets_gen/dataset.hpp"
 #include "datasets_gen/diagnosis.hpp"
 #include "datasets_gen/files/write.hpp"
+#include "datasets_gen/loss.hpp"
 #include "datasets_gen/scenes/light.hpp"
 #include "datasets_gen/scenes/scene.hpp"
+#include "geometry/weld.hpp"
 
 namespace {
 
 using namespace treeline::datasets;
 namespace geometry = treeline::geometry;
-namespace accel = treeline::accel;
 
 struct Arguments {
   std::string recipe, file;  // or the file that is read, and the one written
   double n = 100'000;
   std::uint64_t seed = 1;
-  bool list = false, force = false, check = false, json = false;
+  bool list = false, force = false, check = false, json = false, weld = false;
   double ratio = 0;  // of --decimate
   std::size_t examples = 5;
   int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
 
 const char* kind_name(Kind kind) {
-  return kind == Kind::cloud ? "cloud" : kind == Kind::mesh ? "mesh" : "vectors";
+  switch (kind) {
+    case Kind::cloud:
+      return "cloud";
+    case Kind::mesh:
+      return "mesh";
+    case Kind::vectors:
+      return "vectors";
+    case Kind::scene:
+      return "scene";
+    case Kind::image:
+      return "image";
+  }
+  return "";
 }
 
 void list() {
@@ -55,7 +69,9 @@ void refuse_existing(const Arguments& a) {
 
 Dataset read_mesh(const std::string& file) {
   Dataset d = read(file);
-  if (d.kind != Kind::mesh) throw FileError(file, "", "holds points and no faces");
+  if (d.kind != Kind::mesh)
+    throw FileError(file, "",
+                    d.kind == Kind::image ? "is an image, not a mesh" : "holds points and no faces");
   return d;
 }
 
@@ -69,7 +85,10 @@ void make(const Arguments& a) {
   if (shown) fmt::print(stderr, "\n");
   write(made, a.file, a.force);
   fmt::print("{}: {} {}, hash {:016x}\n", a.file, made.size(),
-             made.kind == Kind::cloud ? "points" : "triangles", made.hash());
+             made.kind == Kind::cloud   ? "points"
+             : made.kind == Kind::image ? "pixels"
+                                        : "triangles",
+             made.hash());
   if (made.kind != Kind::scene) return;
   const treeline::shading::Camera& c = made.scene.camera;
   fmt::print("light: {}\ncamera: at {},{},{} towards {},{},{}\n", format_light(made.scene.light),
@@ -86,6 +105,12 @@ int check(const Arguments& a) {
 void decimate(const Arguments& a) {
   refuse_existing(a);
   Dataset d = read_mesh(a.recipe);
+  if (a.weld) {
+    geometry::Welded<float> welded = geometry::welded(d.mesh);
+    fmt::print("{}: {} vertices joined, {} faces left out that named one twice\n", a.recipe, welded.joined,
+               welded.collapsed);
+    d.mesh = std::move(welded.mesh);
+  }
   Decimated made = decimated(d.mesh, a.ratio);
   if (!made.input.faithful())
     fmt::print(
@@ -97,18 +122,14 @@ void decimate(const Arguments& a) {
   if (given.welded.boundary_edges < given.boundary_edges.count)
     fmt::print(stderr,
                "{}: {} of its vertices lie at the position of an earlier one, and edges between such are not "
-               "collapsed; join them first\n",
+               "collapsed; --weld joins them first\n",
                a.recipe, given.duplicate_vertices.count);
-  const geometry::MeshCheck left = geometry::check_mesh(made.mesh, 0);
-  const std::size_t crossings =
-      accel::self_intersections(made.mesh, left.sound_faces, {.kept = 0, .threads = a.threads}).count;
-  if (crossings > 0)
-    fmt::print(stderr, "{}: {} pairs of faces cross or overlap after the decimation\n", a.file, crossings);
+  const Loss lost = loss(d.mesh, made.mesh, a.threads);
   const std::size_t before = d.mesh.size(), after = made.mesh.size();
   d.mesh = std::move(made.mesh);
   write(d, a.file, a.force);
-  fmt::print("{}: {} of {} triangles, {:.2f} %\n", a.file, after, before,
-             100 * static_cast<double>(after) / static_cast<double>(before));
+  fmt::print("{}: {} of {} triangles, {:.2f} %\n{}", a.file, after, before,
+             100 * static_cast<double>(after) / static_cast<double>(before), as_text(lost));
   if (static_cast<double>(after) > a.ratio * static_cast<double>(before))
     fmt::print(stderr, "{}: no further edge can be collapsed\n", a.file);
 }
@@ -118,6 +139,7 @@ void check_arguments(const Arguments& a, bool decimates) {
   if (a.check && decimates) throw CLI::ValidationError("--check and --decimate exclude each other");
   if (a.check && (a.recipe.empty() || !a.file.empty())) throw CLI::ValidationError("--check takes one FILE");
   if (a.json && !a.check) throw CLI::ValidationError("--json belongs to --check");
+  if (a.weld && !decimates) throw CLI::ValidationError("--weld belongs to --decimate");
   if (decimates && a.file.empty()) throw CLI::ValidationError("--decimate takes the files IN and OUT");
   if (!a.check && a.file.empty())
     throw CLI::ValidationError("RECIPE and FILE are needed; --list shows the recipes");
@@ -129,11 +151,13 @@ void check_arguments(const Arguments& a, bool decimates) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "Makes a dataset from a recipe and a seed, and writes it to a file (.ply, .obj, .pcd, .xyz, .csv).");
+      "Makes a dataset from a recipe and a seed, and writes it to a file (.ply, .obj, .pcd, .xyz, .csv; "
+      ".png, .exr).");
   Arguments a;
   app.add_option("recipe", a.recipe, "which one; see --list (with --check and --decimate: the file to read)");
   app.add_option("file", a.file, "where to; the extension tells the format");
-  app.add_option("--n", a.n, "points of a cloud or triangles of a mesh, 1e3 to 1e7")->capture_default_str();
+  app.add_option("--n", a.n, "points of a cloud, triangles of a mesh or pixels of an image, 1e3 to 1e7")
+      ->capture_default_str();
   app.add_option("--seed", a.seed, "the same seed gives the same bits on every machine")
       ->capture_default_str()
       ->check([](const std::string& text) {  // which would wrap
@@ -148,6 +172,7 @@ int main(int argc, char** argv) {
   const auto* ratio =
       app.add_option("--decimate", a.ratio, "read a mesh, keep this share of its faces, write it")
           ->check(CLI::Range(0.0, 1.0));
+  app.add_flag("--weld", a.weld, "join vertices at equal positions before the decimation");
   try {
     app.parse(argc, argv);
     check_arguments(a, ratio->count() > 0);

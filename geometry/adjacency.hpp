@@ -61,7 +61,9 @@ class Adjacency {
     return misoriented_edges_;
   }  ///< its faces' directions do not pair up
   std::size_t repeated_vertex_faces() const { return repeated_vertex_faces_; }  ///< left out of the tables
-  /// Closed walks along half-edges without a twin, turning around each fan of faces.
+  std::size_t odd_edges() const { return odd_edges_; }  ///< with an odd number of faces
+  /// Closed walks along half-edges without a twin, turning around each fan of faces, that pass an edge with
+  /// one face: none where there is no such edge, though the odd face of three has no twin, either.
   std::size_t boundary_loops() const { return boundary_loops_; }
 
   /// Every edge has an even number of faces.
@@ -160,8 +162,9 @@ inline void Adjacency::pair_up(std::span<const Face> faces, const Edge& edge) {
 
 inline void Adjacency::count_boundary_loops(std::span<const Face> faces) {
   std::vector<bool> seen(twin_.size());
-  for (std::uint32_t start : sorted_) {
-    if (twin_[start] != none || seen[start]) continue;
+  for (const Edge& edge : edges_) {
+    const std::uint32_t start = sorted_[edge.first];
+    if (edge.count != 1 || seen[start]) continue;
     ++boundary_loops_;
     // Walk towards a vertex, turn around it through its fan of faces to the next open half-edge, and so on.
     // Fans are turned by vertex, not by direction, so that the walk also holds where orientation flips.

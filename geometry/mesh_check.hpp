@@ -3,10 +3,10 @@
 //
 // Problem: volume queries, decimation and half-edge structures need closed, oriented, manifold meshes; files
 // hold others, and most programs repair them without a word. Method: adjacency by sorted half-edges
-// (adjacency.hpp); fans of a vertex and components by union-find (Tarjan 1975); equal vertices and faces by
-// sorting. Everything goes by the indices of the file; `welded` says what joining vertices at equal positions
-// would leave. Cost: O(n log n). Known weakness: equal means bit for bit; vertices that nearly coincide are
-// different.
+// (adjacency.hpp); fans of a vertex and components by union-find (Tarjan 1975); equal vertices by hashing,
+// equal faces by sorting. Everything goes by the indices of the file; `welded` says what joining vertices at
+// equal positions would leave. Cost: O(n log n). Known weakness: equal means bit for bit; vertices that
+// nearly coincide are different.
 #pragma once
 
 #include <numbers>
@@ -14,6 +14,7 @@
 
 #include "geometry/adjacency.hpp"
 #include "geometry/predicates.hpp"
+#include "geometry/weld.hpp"
 
 namespace treeline::geometry {
 
@@ -28,14 +29,16 @@ struct Finding {
 
 struct MeshCheck {
   struct Welded {
-    std::size_t vertices = 0, boundary_edges = 0, non_manifold_edges = 0, misoriented_edges = 0;
+    std::size_t vertices = 0, boundary_edges = 0, non_manifold_edges = 0, misoriented_edges = 0,
+                odd_edges = 0;
     bool closed = false, oriented = false;
   };
 
   std::size_t vertices = 0, faces = 0, edges = 0;
   std::size_t components = 0;         ///< parts whose faces hang together by edges
   std::size_t inward_components = 0;  ///< those of negative volume: hollows, or shells inside out
-  std::size_t boundary_loops = 0;
+  std::size_t odd_edges = 0;       ///< with an odd number of faces: one, or more than two; closed means none
+  std::size_t boundary_loops = 0;  ///< of edges with one face
   bool closed = false, oriented = false;
   double volume =
       0;  ///< signed: positive if the faces look outward; of no meaning unless closed and oriented
@@ -89,7 +92,7 @@ class MeshChecker {
     made_.vertices = mesh_.vertices.size(), made_.faces = mesh_.size(),
     made_.edges = adjacency.edges().size();
     made_.closed = adjacency.closed(), made_.oriented = adjacency.oriented();
-    made_.boundary_loops = adjacency.boundary_loops();
+    made_.odd_edges = adjacency.odd_edges(), made_.boundary_loops = adjacency.boundary_loops();
     check_vertices();
     check_faces();
     check_edges(adjacency);
@@ -110,26 +113,11 @@ class MeshChecker {
     std::vector<bool> used(mesh_.vertices.size());
     for (const auto& face : mesh_.faces)
       for (const std::uint32_t v : face) used[v] = true;
-    first_at_.resize(mesh_.vertices.size());
-    std::vector<std::uint32_t> order;
-    for (std::uint32_t v = 0; v < mesh_.vertices.size(); ++v) {
-      first_at_[v] = v;
+    first_at_ = first_at_position(mesh_.vertices);
+    for (std::uint32_t v = 0; v < first_at_.size(); ++v) {
       if (!used[v]) found(made_.unused_vertices, {}, {v});
-      if (is_finite(mesh_.vertices[v]))
-        order.push_back(v);
-      else
-        found(made_.non_finite_vertices, {}, {v});
+      if (!is_finite(mesh_.vertices[v])) found(made_.non_finite_vertices, {}, {v});
     }
-    const auto less = [&](std::uint32_t a, std::uint32_t b) {
-      const Vec3f &p = mesh_.vertices[a], &q = mesh_.vertices[b];
-      for (int k = 0; k < 3; ++k)
-        if (p[k] != q[k]) return p[k] < q[k];
-      return a < b;
-    };
-    std::sort(order.begin(), order.end(), less);
-    for (std::size_t i = 1; i < order.size(); ++i)
-      if (mesh_.vertices[order[i]] == mesh_.vertices[order[i - 1]])
-        first_at_[order[i]] = first_at_[order[i - 1]];
     for (std::uint32_t v = 0; v < first_at_.size(); ++v)
       if (first_at_[v] != v) found(made_.duplicate_vertices, {}, {v, first_at_[v]});
   }
@@ -286,6 +274,7 @@ class MeshChecker {
                     adjacency.boundary_edges(),
                     adjacency.non_manifold_edges(),
                     adjacency.misoriented_edges(),
+                    adjacency.odd_edges(),
                     adjacency.closed(),
                     adjacency.oriented()};
   }

@@ -127,4 +127,12 @@ inline constexpr T on_surface = T(4) * unit_roundoff<T>;
 template <class T>
 inline constexpr T shadow_offset = T(128) * unit_roundoff<T>;
 
+/// How far the sum over a box may be off by a table of running sums, relative to the sum of all absolute
+/// values and for each row and column of the table: an entry is as many additions deep, and a box takes four.
+template <class T>
+inline constexpr T table_slack = T(4) * unit_roundoff<T>;
+
+/// How far a value may be from its level, in steps: half a step, and what float rounds in finding it.
+inline constexpr double level_slack = 0.52;
+
 }  // namespace treeline::geometry::tolerance

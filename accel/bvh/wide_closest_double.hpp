@@ -33,6 +33,7 @@ class EightClosest {
   }
 
   void measure(const Point& point) {
+    std::fill_n(feature_, size_, unknown);
     using F = simd::Lanes<double>;
     using V = Lanes3<F>;
     // What is in the lanes beyond is measured along, and not looked at. One alone, the most frequent number,
@@ -92,30 +93,24 @@ class EightClosest {
                  h2 = 2 * (n2_[i] / longer + 36 * u * u * shorter);
     above = below + (t2 < h2 ? t2 : h2 > 0 ? h2 : 0);
   }
-  /// The feature that is nearest, as in geometry::exact_feature, if it is a corner or the face and the signs
-  /// that tell are beyond doubt; else -1. A dot product is off by 8 u of its factors' lengths (5 u, and 3 u
-  /// for p), which is doubled; a weight by 30 u k |p - a| |ac| / |n|, or |ab|, likewise.
+  /// The feature that is nearest, as in geometry::exact_feature, if the signs that tell are beyond doubt;
+  /// else -1. A dot product is off by 8 u of its factors' lengths (5 u, and 3 u for p), which is doubled; a
+  /// weight by 30 u k |p - a| |ac| / |n|, or |ab|, likewise.
   int certain_feature(int i) const {
-    constexpr double u = geometry::tolerance::unit_roundoff<double>, doubt2 = 16 * u * 16 * u;
-    for (int j = 0; j < 3; ++j) {
-      const int before = (j + 2) % 3;  // the edge that ends here
-      const double out = along_[j][i], past = along_[before][i] - edge2_[before][i];
-      if (out < 0 && past > 0 && out * out > doubt2 * (corner2_[j][i] * edge2_[j][i]) &&
-          past * past > 2 * doubt2 * edge2_[before][i] * (corner2_[before][i] + edge2_[before][i]))
-        return 4 + j;
-    }
-    const double v = share_[3][i], w = share_[4][i], ab2 = edge2_[0][i], ac2 = edge2_[2][i];
-    const double doubt = 64 * u * std::sqrt(ab2 * ac2 * corner2_[0][i]) / n2_[i];
-    const double of_v = doubt * std::sqrt(ac2), of_w = doubt * std::sqrt(ab2);
-    return v > of_v && w > of_w && 1 - v - w > of_v + of_w + 8 * u ? 0 : -1;
+    if (feature_[i] == unknown) feature_[i] = find_certain_feature(i);
+    return feature_[i];
   }
-  /// Whether two are nearest, for certain, in a corner that they share.
-  bool share_corner(int i, int j) const {
-    const int f = certain_feature(i) - 4, g = certain_feature(j) - 4;
-    if (f < 0 || g < 0) return false;
-    for (int k = 0; k < 3; ++k)
-      if (corner_[f][k][i] != corner_[g][k][j]) return false;
-    return true;
+  /// Whether two are nearest, for certain, in a corner or an edge that they share.
+  bool share_feature(int i, int j) const {
+    const int f = certain_feature(i), g = certain_feature(j);
+    const auto same = [&](int m, int n) {
+      for (int k = 0; k < 3; ++k)
+        if (corner_[m][k][i] != corner_[n][k][j]) return false;
+      return true;
+    };
+    if (f >= 4 && g >= 4) return same(f - 4, g - 4);
+    if (f < 1 || g < 1 || f > 3 || g > 3) return false;
+    return (same(f - 1, g - 1) && same(f % 3, g % 3)) || (same(f - 1, g % 3) && same(f % 3, g - 1));
   }
   /// The nearest point and where on the triangle it lies; of features as near the first in the order of
   /// ClosestOnTriangle's candidates.
@@ -144,7 +139,33 @@ class EightClosest {
   }
 
  private:
+  int find_certain_feature(int i) const {
+    constexpr double u = geometry::tolerance::unit_roundoff<double>, doubt2 = 16 * u * 16 * u;
+    // Where p projects on each edge's line: before its start, behind its end; 0 where that is in doubt.
+    int start[3], end[3];
+    for (int j = 0; j < 3; ++j) {
+      const double whole = edge2_[j][i], out = along_[j][i], past = out - whole, to_p = corner2_[j][i];
+      start[j] = out * out > doubt2 * (to_p * whole) ? (out < 0 ? -1 : 1) : 0;
+      end[j] = past * past > 2 * doubt2 * whole * (to_p + whole) ? (past < 0 ? -1 : 1) : 0;
+    }
+    for (int j = 0; j < 3; ++j)
+      if (start[j] < 0 && end[(j + 2) % 3] > 0) return 4 + j;
+    const double v = share_[3][i], w = share_[4][i], ab2 = edge2_[0][i], ac2 = edge2_[2][i];
+    const double doubt = 64 * u * std::sqrt(ab2 * ac2 * corner2_[0][i]) / n2_[i];
+    const double of_v = doubt * std::sqrt(ac2), of_w = doubt * std::sqrt(ab2), of_rest = of_v + of_w + 8 * u;
+    const double rest = 1 - v - w;
+    if (v > of_v && w > of_w && rest > of_rest) return 0;
+    // Beside an edge, and on the outer side of it: of one edge at most.
+    const bool outer[3] = {w < -of_w, rest < -of_rest * (1 + std::abs(v) + std::abs(w)), v < -of_v};
+    for (int j = 0; j < 3; ++j)
+      if (outer[j] && start[j] > 0 && end[j] < 0) return 1 + j;
+    return -1;
+  }
+
+  static constexpr int unknown = -2;
+
   int size_ = 0;
+  mutable int feature_[most];  // as found, certain or not, or unknown
   alignas(64) double corner_[3][3][most];
   Id id_[most];
   alignas(64) double distance2_[4][most];  // to ab, bc, ca, and the face, infinite where not above it

@@ -61,13 +61,7 @@ inline bool is_within(const geometry::Vec3d& p, const ExactlyNear& x, double lim
 /// The squared distance, rounded once.
 template <class T>
 T distance2(const geometry::Vec3d& p, const ExactlyNear& x) {
-  const geometry::detail::FeatureDistance2 nearest{p, x.triangle, x.feature};
-  geometry::BoundedDouble above, below;
-  nearest.quotient(above, below);
-  if (const auto r = geometry::detail::rounded_if_certain<T>(above, below)) return *r;
-  geometry::Dyadic n, d;
-  nearest.quotient(n, d);
-  return geometry::rounded_quotient<T>(n, d);
+  return geometry::detail::rounded_distance2<T>({p, x.triangle, x.feature});
 }
 
 }  // namespace treeline::accel::wide

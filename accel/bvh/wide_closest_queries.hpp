@@ -14,9 +14,7 @@ namespace treeline::accel {
 
 struct ClosestOptions {
   float max_distance = std::numeric_limits<float>::infinity();  ///< nothing farther is returned; inclusive
-  /// Which triangle is nearest is decided exactly, and the squared distance is the true one rounded once; of
-  /// the triangles as the tree keeps them, which scales by a power of two: coordinates below 2^-126 of the
-  /// typical one lose digits first (triangle_scale.hpp).
+  /// Which triangle is nearest is decided exactly, and the squared distance is the true one rounded once.
   /// Without, all of it is as double finds it: of triangles whose distances agree to some 15 digits either
   /// may be returned. The triangles are those that the tree keeps: where the typical coordinate is beyond
   /// 2^±21 they are scaled to about 1 (triangle_scale.hpp), and coordinates below 2^-126 of the typical one

@@ -239,7 +239,7 @@ class ClosestSearch {
         if (!is_within(user_point(), *(exact = user_triangle(i)), question_.limit)) return false;
       }
       if (!(high < best_.low)) {
-        if (best_lane_ >= 0 && eight_.share_corner(i, best_lane_)) {
+        if (best_lane_ >= 0 && eight_.share_feature(i, best_lane_)) {
           if (id > best_.id) return false;
         } else {
           if (!exact) exact = user_triangle(i);

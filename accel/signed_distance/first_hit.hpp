@@ -8,10 +8,13 @@
 // something early or nothing at all. Over the other trees it is their contains(): rays in their own
 // arithmetic, whose hits near edges or at grazing incidence have no vote (accel/volume.hpp).
 //
-// Needs a closed, consistently oriented mesh that does not cross itself. With others it answers by the first
-// face met: rays that leave by a hole call a point outside, faces turned around call the points near them
-// wrong, a mesh inside out has the complement inside, and between two shells that face the same way points
-// are called outside. Cost: one ray that ends at the first hit.
+// Exact means of the triangles that the tree keeps: those of a mesh whose typical coordinate is far from 1
+// are scaled, and coordinates below 2^-149 of the typical one vanish then (triangle_scale.hpp): small parts
+// of a mesh of mixed scale may be flat, or gone, for every query. Needs a closed, consistently oriented mesh
+// that does not cross itself. With others it answers by the first face met: rays that leave by a hole call a
+// point outside, faces turned around call the points near them wrong, a mesh inside out has the complement
+// inside, and between two shells that face the same way points are called outside. Cost: one ray that ends at
+// the first hit.
 #pragma once
 
 #include <array>

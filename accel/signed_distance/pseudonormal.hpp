@@ -12,8 +12,9 @@
 // Known weakness: two faces in one place that look opposite ways, as where closed boxes touch, are equally
 // near and say opposite things: points nearest to them are told right on one side and wrong on the other,
 // though the mesh is closed and oriented (FirstHit has an answer). A closest point found in float may belong
-// to a triangle that is not nearest, where two parts of the surface are as far to the last digits; the sign
-// is that of the part found.
+// to a triangle that is not nearest, where two parts of the surface are as far to the last digits, or where
+// the mesh is of mixed scale and the tree has lost coordinates (triangle_scale.hpp); the sign is that of the
+// part found.
 #pragma once
 
 #include <numbers>
@@ -23,6 +24,7 @@
 #include "geometry/exact/orientation.hpp"
 #include "geometry/exact/triangle_distance.hpp"
 #include "geometry/mesh.hpp"
+#include "geometry/weld.hpp"
 
 namespace treeline::accel {
 
@@ -34,7 +36,7 @@ class PseudonormalTable {
   using Normal = geometry::Vec3d;
   /// Throws InvalidInput for a face that names no vertex.
   explicit PseudonormalTable(const geometry::Mesh<T>& mesh) : corners_(mesh.size()) {
-    const std::vector<std::uint32_t> welded = weld(mesh);
+    const std::vector<std::uint32_t> welded = geometry::first_at_position(mesh.vertices);
     for (std::size_t f = 0; f < mesh.size(); ++f)
       for (std::size_t i = 0; i < 3; ++i) {
         if (mesh.faces[f][i] >= welded.size())
@@ -85,29 +87,6 @@ class PseudonormalTable {
  private:
   using Three = std::array<std::uint32_t, 3>;
 
-  /// Of each vertex, the first at its position; those that are not finite stand for themselves.
-  static std::vector<std::uint32_t> weld(const geometry::Mesh<T>& mesh) {
-    struct Placed {
-      geometry::Vec<T, 3> at;
-      std::uint32_t number;
-      bool operator<(const Placed& o) const {
-        for (int k = 0; k < 3; ++k)
-          if (at[k] != o.at[k]) return at[k] < o.at[k];
-        return number < o.number;
-      }
-    };
-    std::vector<Placed> placed;
-    std::vector<std::uint32_t> first(mesh.vertices.size());
-    std::iota(first.begin(), first.end(), 0u);
-    placed.reserve(first.size());
-    for (const std::uint32_t v : first)
-      if (is_finite(mesh.vertices[v])) placed.push_back({mesh.vertices[v], v});
-    std::sort(placed.begin(), placed.end());
-    for (std::size_t i = 1; i < placed.size(); ++i)
-      if (placed[i].at == placed[i - 1].at) first[placed[i].number] = first[placed[i - 1].number];
-    return first;
-  }
-
   void sum_up() {
     std::vector<Normal> of_face(corners_.size());
     std::vector<bool> flat(corners_.size());
@@ -136,21 +115,32 @@ class PseudonormalTable {
     for (Normal& n : of_edge_) n = unit(n);
   }
 
-  /// Numbers the edges.
+  /// Numbers the edges: sides are put beside those of the same lower corner, and sorted there by the other.
   void join_edges() {
-    using Key = std::pair<std::uint64_t, std::uint32_t>;
-    std::vector<Key> keys;
-    keys.reserve(3 * corners_.size());
-    for (std::uint32_t f = 0; f < corners_.size(); ++f)
-      for (std::uint32_t i = 0; i < 3; ++i) {
-        const auto [low, high] = std::minmax(corners_[f][i], corners_[f][(i + 1) % 3]);
-        keys.push_back({std::uint64_t{low} << 32 | high, 3 * f + i});
+    struct Side {
+      std::uint32_t high, face_side;
+      bool operator<(const Side& o) const { return high < o.high; }
+    };
+    const auto ends = [&](std::size_t f, std::size_t i) {
+      return std::minmax(corners_[f][i], corners_[f][(i + 1) % 3]);
+    };
+    std::vector<std::size_t> end(vertices_.size() + 1);  // of each lower corner's sides
+    for (std::size_t f = 0; f < corners_.size(); ++f)
+      for (std::size_t i = 0; i < 3; ++i) ++end[ends(f, i).first + 1];
+    std::partial_sum(end.begin(), end.end(), end.begin());
+    std::vector<Side> sides(3 * corners_.size());
+    for (std::size_t f = 0; f < corners_.size(); ++f)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto [low, high] = ends(f, i);
+        sides[end[low]++] = {high, static_cast<std::uint32_t>(3 * f + i)};
       }
-    std::sort(keys.begin(), keys.end());
     edge_.resize(corners_.size());
-    for (std::size_t i = 0; i < keys.size(); ++i) {
-      if (i == 0 || keys[i].first != keys[i - 1].first) ++edges_;
-      edge_[keys[i].second / 3][keys[i].second % 3] = static_cast<std::uint32_t>(edges_ - 1);
+    for (std::size_t v = 0, first = 0; v < vertices_.size(); first = end[v++]) {
+      std::sort(sides.begin() + std::ptrdiff_t(first), sides.begin() + std::ptrdiff_t(end[v]));
+      for (std::size_t j = first; j < end[v]; ++j) {
+        if (j == first || sides[j].high != sides[j - 1].high) ++edges_;
+        edge_[sides[j].face_side / 3][sides[j].face_side % 3] = static_cast<std::uint32_t>(edges_ - 1);
+      }
     }
   }
 

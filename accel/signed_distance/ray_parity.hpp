@@ -1,12 +1,13 @@
 // Inside or outside by the number of crossings of one ray: odd is inside.
 //
 // Method: Shimrat 1962, "Algorithm 112: position of point relative to polygon", in space: all crossings of
-// one ray are counted, each decided exactly (bvh/wide_crossing.hpp). A ray that meets an edge, a corner or
-// runs in a triangle's plane says nothing, and another direction is tried. Orientation does not matter: faces
-// turned around, and meshes inside out, are answered as if they were right. Needs a closed mesh: with others,
-// each ray that passes a hole or a doubled face an odd number of times is wrong. Where shells lie in one
-// another, every second layer is inside, whichever way they face. Cost: one ray through the whole mesh; more
-// than FirstHit by the number of surfaces in its way.
+// one ray are counted, each decided exactly (bvh/wide_crossing.hpp) for the triangles that the tree keeps,
+// which in meshes of mixed scale are not quite the user's (first_hit.hpp). A ray that meets an edge, a corner
+// or runs in a triangle's plane says nothing, and another direction is tried. Orientation does not matter:
+// faces turned around, and meshes inside out, are answered as if they were right. Needs a closed mesh: with
+// others, each ray that passes a hole or a doubled face an odd number of times is wrong. Where shells lie in
+// one another, every second layer is inside, whichever way they face. Cost: one ray through the whole mesh;
+// more than FirstHit by the number of surfaces in its way.
 #pragma once
 
 #include "accel/signed_distance/first_hit.hpp"

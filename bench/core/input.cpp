@@ -16,7 +16,11 @@ datasets::Dataset read_input(const std::string& file, datasets::Kind kind) {
   } catch (const std::exception& e) {
     throw UsageError(std::string("--input ") + e.what());
   }
-  if (data.kind == kind || kind == datasets::Kind::vectors) return data;  // points are vectors of three
+  if (data.kind == kind) return data;
+  if (data.kind == datasets::Kind::image)
+    throw UsageError("--input " + file + ": an image; this task has no use for one");
+  if (kind == datasets::Kind::image) throw UsageError("--input " + file + ": no image; this task needs one");
+  if (kind == datasets::Kind::vectors) return data;  // points are vectors of three
   if (data.kind == datasets::Kind::cloud && kind != datasets::Kind::cloud)
     throw UsageError("--input " + file + ": a cloud; this task needs a mesh");
   if (kind == datasets::Kind::scene) {

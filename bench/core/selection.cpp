@@ -7,10 +7,13 @@
 #include <charconv>
 #include <cmath>
 
+#include "datasets_gen/scenes/scene.hpp"
+
 namespace treeline::bench {
 namespace {
 
 constexpr std::size_t default_n = 100000;  // of a recipe that the profile does not have
+constexpr std::size_t default_scene_n = 5000;
 
 struct Wish {
   std::string name;
@@ -49,13 +52,18 @@ std::vector<BlockSpec> blocks_of(const Task& task, Profile profile, const std::s
     std::erase_if(out, [&](const BlockSpec& spec) { return spec.dataset != wish.name; });
     return out;
   }
+  const bool scenes = task.dataset_kind() == datasets::Kind::scene;
   std::vector<std::string> known;
+  if (scenes) known = datasets::scene_names();
   for (const datasets::Recipe& recipe : datasets::recipes())
     if (recipe.kind == task.dataset_kind()) known.push_back(recipe.name);
-  if (!in_profile && std::find(known.begin(), known.end(), wish.name) == known.end())
+  const bool is_known = (scenes && datasets::is_scene(wish.name)) ||  // with knobs, too
+                        std::find(known.begin(), known.end(), wish.name) != known.end();
+  if (!in_profile && !is_known)
     throw UsageError(fmt::format("--dataset {}: {} has no dataset '{}'; it has {}", text, task.name(),
                                  wish.name, fmt::join(known, ", ")));
-  return {{wish.name, wish.n == 0 ? default_n : wish.n, false}};
+  const std::size_t n = scenes ? default_scene_n : default_n;
+  return {{wish.name, wish.n == 0 ? n : wish.n, false}};
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 """The claims ledger: sentences that courses repeat, each held against the rows. No verdict is ever typed in.
 
 claims.json lists the sentences, each with its kind. Here are those about which structure is faster ("contest"); those about
-sizes and answers are in measures.py. A contest's claim names the family it favours, and the datasets and query sets it
+sizes and answers are in measures.py and textures.py. A contest's claim names the family it favours, and the datasets and query sets it
 is about. Two contests decide, for no single one is fair to all:
 
     binary   our binary trees with leaves of one size: what the structures themselves are worth
@@ -25,12 +25,14 @@ LIST = Path(__file__).with_name("claims.json")
 HOLDS, ONLY_IF, FAILS, NOT_RUN = "holds", "holds only if", "does not hold", "not run"
 FAMILIES = ("kd", "bvh", "bsp")
 BINARY = {"kd": "kd_tree", "bvh": "bvh", "bsp": "bsp_tree"}
+BINARY_SIGNS = {family: f"{family}_first_hit" for family in BINARY}  # of the task inside: the same trees, by one rule
 TEXTBOOK = {"kd": "planes", "bvh": "box", "bsp": "planes"}  # what bounds a cell where a tree offers several
 CONTESTS = {"binary": "binary trees with leaves of equal size", "best": "the best of each family"}
 PLACES = {"self": "asked at points of the cloud", "off": "asked off the cloud", "far": "asked from far away",
           "radius": "asked for a radius", "coherent": "rays near each other", "scattered": "rays in no order",
           "aimed": "rays along axes, in planes and at edges", "surface": "closest points of queries near the mesh",
-          "apart": "closest points of queries away from the mesh"}  # fmt: skip
+          "apart": "closest points of queries away from the mesh", "sign_surface": "inside or outside, near the mesh",
+          "sign_apart": "inside or outside, away from the mesh"}  # fmt: skip
 RAYS = {"camera": "coherent", "camera_any": "coherent", "shadow": "coherent", "axis": "aimed", "grazing": "aimed",
         "edge": "aimed", "camera_shuffled": "scattered", "diffuse": "scattered", "bounce2": "scattered",
         "random": "scattered"}  # fmt: skip
@@ -77,9 +79,9 @@ class Verdict:
 
 def ledger(rows):
     """A verdict for every claim of the list."""
-    from bench.report import measures
+    from bench.report import measures, shadow_claims, textures
 
-    kinds = {"contest": judge, **measures.KINDS}
+    kinds = {"contest": judge, **measures.KINDS, **textures.KINDS, **shadow_claims.KINDS}
     return [kinds[claim.get("kind", "contest")](claim, rows) for claim in json.loads(LIST.read_text())]
 
 
@@ -154,6 +156,8 @@ def cells_of(claim, rows):
 def _place(task, query_set):
     if task == "closest_point":
         return CLOSEST.get(query_set)
+    if task == "inside":
+        return f"sign_{CLOSEST[query_set]}" if query_set in CLOSEST else None
     if query_set in RAYS:
         return RAYS[query_set]
     if query_set.startswith("radius"):
@@ -169,9 +173,10 @@ def _entrants(group):
     for row in able:
         knobs = row.build_knobs or {}
         bounds = TEXTBOOK.get(row.family)
-        ours = row.source == "ours" and BINARY.get(row.family) == row.method
-        if ours and knobs.get("bounds", bounds) == bounds and "leaf_size" in knobs:
-            _keep_fastest(by_leaf[knobs["leaf_size"]], row)
+        signs = row.task == "inside"  # whose binary trees all have the leaves that are the default
+        ours = row.source == "ours" and (BINARY_SIGNS if signs else BINARY).get(row.family) == row.method
+        if ours and knobs.get("bounds", bounds) == bounds and ("leaf_size" in knobs or signs):
+            _keep_fastest(by_leaf[knobs.get("leaf_size")], row)
     for entrants in by_leaf.values():
         yield "binary", entrants
     best = {}

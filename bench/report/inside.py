@@ -9,9 +9,13 @@ from bench.report.units import count
 
 alt = charts.alt
 
+ANSWERED = ("ok", "wrong")
+LEFT_OUT = "unsupported"  # the status of rows that a method leaves to others
+
 DAMAGE = """The share of wrong answers on one mesh damaged in one way after the other, against what is inside of it undamaged;
 the number is the per cent of the faces that were hit. No rule wins every column: rays count on closed surfaces, normals
-on faces that look outward, winding numbers on most of them. ✓: none wrong among those asked."""
+on faces that look outward, winding numbers on most of them. ✓: none wrong among those asked; –: not asked, as a tree of a
+solid does not take such faces, or a sum over all faces so many."""
 
 
 def cards(task, numbers, width="container"):
@@ -27,12 +31,15 @@ def cards(task, numbers, width="container"):
 
 
 def damage_table(rows):
-    """{(undamaged dataset, size, query set): {(line, damage): row}}, of the first run and thread count."""
-    rows = [r for r in rows if r.error is not None and r.status in ("ok", "wrong")]
-    if not rows:
+    """{(undamaged dataset, size, query set): {(line, damage): row}}, of the first run and thread count. Those that a method
+    leaves to others are among them, if it answers any."""
+    answered = [r for r in rows if r.error is not None and r.status in ANSWERED]
+    if not answered:
         return {}
-    first = rows[0]
-    rows = [r for r in rows if (r.run, r.threads) == (first.run, first.threads)]
+    first = answered[0]
+    rows = [r for r in rows if (r.run, r.threads) == (first.run, first.threads) and (r.status == LEFT_OUT or r.error is not None and r.status in ANSWERED)]
+    methods = {r.method for r in answered if "+" in r.dataset}
+    rows = [r for r in rows if r.method in methods]
     builds = {}
     for r in rows:
         builds.setdefault(r.method, set()).add(knob_text(r.build_knobs))
@@ -48,6 +55,8 @@ def damage_table(rows):
 
 
 def _share(row):
+    if row.error is None:
+        return "–"
     if row.error == 0:
         return "✓"
     percent = 100 * row.error
@@ -55,16 +64,18 @@ def _share(row):
 
 
 def _chart(found, numbers, width):
-    lines = list(dict.fromkeys(line for line, _ in found))
+    left_out = lambda line: sum(r.error is None for (other, _), r in found.items() if other == line)
+    lines = sorted(dict.fromkeys(line for line, _ in found), key=left_out)
     damages = list(dict.fromkeys(damage for _, damage in found))
     values = [{"i": numbers[id(row)], "line": line, "damage": damage.replace("_", " "), "text": _share(row),
-               "share": max(row.error, 1e-4), "dark": row.error > 0.1}
+               "share": None if row.error is None else max(row.error, 1e-4)}
               for (line, damage), row in found.items()]  # fmt: skip
     x = alt.X("damage:N", sort=[d.replace("_", " ") for d in damages],
               axis=alt.Axis(title=None, orient="top", labelAngle=-30, ticks=False, domain=False))  # fmt: skip
     y = alt.Y("line:N", sort=lines, axis=alt.Axis(title=None, ticks=False, domain=False, labelLimit=200))
     color = alt.Color("share:Q", legend=None, scale=alt.Scale(type="log", domain=[1e-4, 1], range=["#E6F4EE", "#D55E00"]))
     base = alt.Chart(alt.Data(values=values)).encode(x=x, y=y)
-    cells = base.mark_rect(stroke="white", strokeWidth=1.5).encode(color=color, tooltip=alt.Tooltip("i:Q"))
+    cells = (base.transform_filter("isValid(datum.share)").mark_rect(stroke="white", strokeWidth=1.5)
+             .encode(color=color, tooltip=alt.Tooltip("i:Q")))  # fmt: skip
     texts = base.mark_text(fontSize=10, fill=INK).encode(text="text:N")
     return alt.layer(cells, texts).properties(width=width, height=alt.Step(20))

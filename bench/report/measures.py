@@ -28,7 +28,8 @@ def builds(rows, task, method):
     """{(run, dataset, size): the row of this method's first build}, one query set being enough."""
     found = {}
     for row in rows:
-        if row.task == task and not row.hard and row.method == method and row.build_s and row.bytes:
+        damaged = "+" in row.dataset
+        if row.task == task and not (row.hard or damaged) and row.method == method and row.build_s and row.bytes:
             found.setdefault((row.run, row.dataset, row.size), row)
     return found
 
@@ -44,53 +45,59 @@ def figure_of(row, name):
 NAMES = {"build_s": "build time", "bytes": "memory", "references": "references to a triangle"}
 
 
+PURPOSES = {"ray": "", "closest_point": ", for closest points", "inside": ", for points inside"}
+
+
 def dearer(claim, rows):
-    """One method costs more than another, in each of the figures named."""
-    dear, cheap = builds(rows, claim["task"], claim["dearer"]), builds(rows, claim["task"], claim["cheaper"])
-    lines, ratios = [], defaultdict(list)
-    for key in sorted(dear.keys() & cheap.keys(), key=lambda k: k[1:]):
-        line = [key[1], key[2]]
+    """One method costs more than another, in each of the figures named; in other tasks, their kin ("also")."""
+    lines, statements = [], []
+    for task, (dear_name, cheap_name) in {claim["task"]: (claim["dearer"], claim["cheaper"]), **claim.get("also", {})}.items():
+        dear, cheap = builds(rows, task, dear_name), builds(rows, task, cheap_name)
+        ratios = defaultdict(list)
+        for key in sorted(dear.keys() & cheap.keys(), key=lambda k: k[1:]):
+            line = [task, key[1], key[2]]
+            for name in claim["figures"]:
+                a, b = figure_of(dear[key], name), figure_of(cheap[key], name)
+                if a and b:
+                    ratios[name].append(a / b)
+                line += [a, b, a / b if a and b else None]
+            lines.append(line)
         for name in claim["figures"]:
-            a, b = figure_of(dear[key], name), figure_of(cheap[key], name)
-            if a and b:
-                ratios[name].append(a / b)
-            line += [a, b, a / b if a and b else None]
-        lines.append(line)
-    statements = []
-    for name in claim["figures"]:
-        if found := ratios[name]:
-            all_dearer = mean(found) > NEAR and all(r > 1 / NEAR for r in found)
-            statements.append((NAMES[name], mean(found), len(found), all_dearer))
-    heads = ["dataset", "size"]
+            if found := ratios[name]:
+                all_dearer = mean(found) > NEAR and all(r > 1 / NEAR for r in found)
+                statements.append((NAMES[name] + PURPOSES[task], mean(found), len(found), all_dearer))
+    heads = ["task", "dataset", "size"]
     for name in claim["figures"]:
         heads += [f"{NAMES[name]}, {claim['dearer']}", f"{claim['cheaper']}", "ratio"]
-    return verdict_of(claim, statements, (heads, lines), f"{len(lines)} meshes",
+    meshes = len({tuple(line[1:3]) for line in lines})
+    return verdict_of(claim, statements, (heads, lines), f"{meshes} meshes",
                       figure=f"{claim['dearer']}'s over {claim['cheaper']}'s", unit="meshes")  # fmt: skip
 
 
 def nodes(claim, rows):
-    """What an inner node of each family holds, and what a primitive costs in each."""
-    by_method = defaultdict(list)
-    for row in rows:
-        size = row.extra.get(f"{claim['task']}_node_bytes")
-        if row.task == claim["task"] and not row.hard and size and row.source == "ours" and row.bytes:
-            by_method[row.method, size].append(row)
-    lines, smallest = [], {}
-    for (method, size), mine in by_method.items():
-        per_element = mean([r.bytes / r.n for r in mine])
-        lines.append((method, mine[0].family, size, per_element, len({(r.dataset, r.size) for r in mine})))
-        smallest[mine[0].family] = min(size, smallest.get(mine[0].family, size))
-    statements = []
-    for family, (words, count) in TEXTBOOK_NODE.items():
-        if family in smallest:
-            exact = smallest[family] == count * WORD_BYTES
-            statements.append((f"{family.upper()} inner node holds {words}: {count * WORD_BYTES} bytes and no more",
-                               smallest[family], 1, exact))  # fmt: skip
-    if set(TEXTBOOK_NODE) <= set(smallest):
-        order = smallest["kd"] < smallest["bsp"] < smallest["bvh"]
-        statements.append(("a KD node is smaller than a BSP node, and that than a BVH node", smallest["bvh"] / smallest["kd"],
-                           3, order))  # fmt: skip
-    heads = ("method", "family", "bytes of an inner node", "bytes of the tree per triangle", "meshes")
+    """What an inner node of each family holds, and what a primitive costs in each; in other tasks ("also"), too."""
+    lines, statements = [], []
+    for task in (claim["task"], *claim.get("also", ())):
+        by_method = defaultdict(list)
+        for row in rows:
+            size = row.extra.get(f"{task}_node_bytes")
+            if row.task == task and not row.hard and size and row.source == "ours" and row.bytes:
+                by_method[row.method, size].append(row)
+        smallest = {}
+        for (method, size), mine in by_method.items():
+            per_element = mean([r.bytes / r.n for r in mine])
+            lines.append((task, method, mine[0].family, size, per_element, len({(r.dataset, r.size) for r in mine})))
+            smallest[mine[0].family] = min(size, smallest.get(mine[0].family, size))
+        for family, (words, count) in TEXTBOOK_NODE.items():
+            if family in smallest:
+                exact = smallest[family] == count * WORD_BYTES
+                words = f"{family.upper()} inner node holds {words}: {count * WORD_BYTES} bytes and no more{PURPOSES[task]}"
+                statements.append((words, smallest[family], 1, exact))
+        if set(TEXTBOOK_NODE) <= set(smallest):
+            order = smallest["kd"] < smallest["bsp"] < smallest["bvh"]
+            words = f"a KD node is smaller than a BSP node, and that than a BVH node{PURPOSES[task]}"
+            statements.append((words, smallest["bvh"] / smallest["kd"], 3, order))
+    heads = ("task", "method", "family", "bytes of an inner node", "bytes of the tree per triangle", "meshes")
     return verdict_of(claim, statements, (heads, lines), figure="bytes (of the last: BVH's over KD's)", unit="layouts")
 
 

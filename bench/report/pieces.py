@@ -160,8 +160,10 @@ def _cell(cell):
 
 # What a heading says of a kind of pictures; those made of panels side by side take a row each.
 KINDS = {"work": "work: nodes and triangles that queries visit", "slice": "slices through the cells of trees",
-         "disagreement": "where answers differ from the truth", "leaks": "leaks at edges and vertices"}  # fmt: skip
-PANELS = ("work", "leaks")
+         "disagreement": "where answers differ from the truth", "leaks": "leaks at edges and vertices",
+         "filtered": "textures averaged at every pixel", "shadow": "every method beside the truth",
+         "strip": "one knob from its least to its most"}  # fmt: skip
+PANELS = ("work", "leaks", "filtered", "shadow", "strip")
 
 
 def gallery(pictures):

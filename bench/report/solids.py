@@ -62,8 +62,13 @@ def _chart(lines, every, numbers, what, width):
     log = dict(type="log", nice=False, padding=14)
     x = alt.X("n:Q", scale=alt.Scale(**log), axis=alt.Axis(title="faces, log", gridOpacity=0.5, format="~s",
               values=sorted({v["n"] for v in values})))  # fmt: skip
-    scale = alt.Scale(**log) if what == "depth" else alt.Scale(zero=False, nice=True, padding=10)
-    y = alt.Y("y:Q", scale=scale, axis=alt.Axis(title=WHAT[what], tickCount=6, gridOpacity=0.5))
+    ticks = {"tickCount": 6}
+    scale = alt.Scale(zero=False, nice=True, padding=10)
+    if what == "depth":
+        low, high = min(v["y"] for v in values) / 2, 2 * max(v["y"] for v in values)
+        ticks = {"values": [t for k in range(7) for t in (10**k, 2 * 10**k, 5 * 10**k) if low <= t <= high]}
+        scale = alt.Scale(**log)
+    y = alt.Y("y:Q", scale=scale, axis=alt.Axis(title=WHAT[what], gridOpacity=0.5, **ticks))
     base = alt.Chart(alt.Data(values=values)).encode(x=x, y=y)
     stroke = alt.Stroke("how:N", scale=color, legend=legend)
     line = base.mark_line(strokeWidth=1.4, opacity=0.8).encode(stroke=stroke)

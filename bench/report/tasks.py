@@ -96,6 +96,21 @@ TASKS = {
           "the closest hit after the vertices have moved, on an index that was refitted, or built anew"),
          ("camera_threads, random_threads, shadow_threads",
           "the same as those without _threads, many more rays, for thread scaling"))),
+    "region_average": TaskText(
+        "Means of regions of textures",
+        "What is the mean of a region of a texture?",
+        "texel", "query", "root mean square error over the range",
+        "How far a mean is off, over the range of the texture's values. Beyond its borders a texture goes on as its outermost "
+        "texels. Tables promise boxes along the axes alone, and give other shapes the box of their variances; pyramids "
+        "promise nothing. Sizes are in texels; sets called …_sorted ask the same footprints in the order of a picture.",
+        (("texel, aligned16", "squares of 1 and 16 whole texels, with corners at multiples of their side"),
+         ("square4, square24", "squares anywhere"),
+         ("oblong", "64 x 4 and 4 x 64, anywhere"),
+         ("rotated", "32 x 8, at any angle"),
+         ("disc", "of radius 12"),
+         ("gaussian", "of deviation 6, cut off at three deviations"),
+         ("build", "the structure is made anew, in its own memory; a query is a texel; that of nearest is a plain copy"),
+         ("square24_threads, build_threads", "the same as those without _threads, for thread scaling"))),
     "closest_point": TaskText(
         "Closest points of triangle meshes",
         "Which point of a mesh lies nearest to a query, and on which triangle?",
@@ -110,6 +125,19 @@ TASKS = {
          ("centre", "in the middle of the box, where much is about as near"),
          ("on_vertex", "a vertex, or a point that shares one or two coordinates with one"),
          ("near_threads, uniform_threads", "the same as those without _threads, more queries, for thread scaling"))),
+    "shadow": TaskText(
+        "Shadows",
+        "How much of the light does each point see that the camera sees?",
+        "triangle", "pixel", "RMS error of the share of light seen",
+        "Over the pixels whose surface has the whole light above it, the root of the mean square of how far the share of the "
+        "light is off; bias is the signed mean, above 0 too light. At a hard shadow's border every map is wrong somewhere, so "
+        "that single pixels are no limit. A share is one of the light's area, not weighted by a cosine. Times are of a query; "
+        "maps, fields and trees are made in the build.",
+        (("image", "all that the camera sees"),
+         ("edge", "a line across a penumbra"),
+         ("contact", "from the foot of a wall into its shadow"),
+         ("leak", "below two or three blockers, where none is lit"),
+         ("motion", "how the answer changes while the light moves by tenths of a texel, beside how it should"))),
 }  # fmt: skip
 
 

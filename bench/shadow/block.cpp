@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "bench/core/refusal.hpp"
 #include "bench/core/truth_cache.hpp"
+#include "bench/shadow/figures.hpp"
 #include "bench/shadow/judge.hpp"
 #include "bench/shadow/lights.hpp"
 #include "shading/shadow/light_view.hpp"
@@ -14,6 +16,7 @@ namespace {
 
 constexpr std::size_t most_moving = 4096;       // receivers of the set `motion`
 constexpr double texel_of_motion = 0.1 / 1024;  // of the light's view
+constexpr int split_samples = 256;
 constexpr double forgiven = 1e-4;  // of the diagonal: so near to a hard shadow's border nobody is wrong
 
 std::vector<Receiver> on_line(const datasets::ReceiverLine& line) {
@@ -186,8 +189,20 @@ std::span<const float> ShadowBlock::answers(const Subject& subject) {
   return dynamic_cast<const Made&>(subject).answers;
 }
 
+bool ShadowBlock::offers(std::size_t m) const {
+  const auto& only = input_.only;
+  return only.empty() || std::ranges::find(only, methods_[m].info.name) != only.end();
+}
+
 void ShadowBlock::find_truth() {
   for (std::size_t set = 0; set < sets_.size(); ++set) truth_of(set);
+  split();
+}
+
+double ShadowBlock::split() {
+  if (!split_)
+    split_ = split_error(input_.scene, tree_, image_.list, truth(0), split_samples, input_.threads);
+  return *split_;
 }
 
 /// From the cache: the halves' difference and the samples stand behind the shares.
@@ -225,7 +240,8 @@ const std::vector<Truth>& ShadowBlock::truth_of(std::size_t query_set) {
   return set.truth;
 }
 
-Errors ShadowBlock::check(std::size_t m, const Subject& subject, std::size_t query_set, const Knobs&) {
+Errors ShadowBlock::check(std::size_t m, const Subject& subject, std::size_t query_set,
+                          const Knobs& query_knobs) {
   const auto& made = dynamic_cast<const Made&>(subject);
   if (!made.refusal.empty()) return refused_wrongly(made.refusal);
   const Set& set = sets_[query_set];
@@ -241,7 +257,13 @@ Errors ShadowBlock::check(std::size_t m, const Subject& subject, std::size_t que
       e.reason = "receiver " + std::to_string(*i) + " is answered " + std::to_string(made.answers[*i]) +
                  ", true is " + std::to_string(truth.visibility[*i]) + " there and all around it";
     }
+  if (set.what == What::image) e.extra["shadow_split"] = split();
   if (set.line) note_line(*set.line, made, truth, e.extra);
+  if (const auto figure = figure_of(input_.scene, query_sets_[query_set].name, methods_[m].info.name,
+                                    made.build_knobs(), query_knobs)) {
+    e.extra["shadow_figure"] = figure->field, e.extra["shadow_figure_value"] = figure->value;
+    e.extra["shadow_figure_bias"] = number(figure->bias);
+  }
   e.extra.update(made.facts());
   return e;
 }
@@ -250,6 +272,11 @@ void ShadowBlock::note_line(const datasets::ReceiverLine& line, const Subject& s
                             Knobs& extra) const {
   const auto& made = dynamic_cast<const Made&>(subject);
   const double length = distance(line.from, line.to);
+  double sum = 0;
+  std::set<float> levels;
+  for (const float a : made.answers) sum += double(a), levels.insert(a);
+  extra["shadow_answered"] = sum / double(std::max<std::size_t>(made.answers.size(), 1));
+  extra["shadow_levels"] = levels.size();
   if (line.name == "edge") note_width(made.answers, truth.visibility, length, extra);
   if (line.name != "contact") return;
   double texel = 0;

@@ -23,7 +23,8 @@ struct BlockInput {
   std::string truth_cache;
   int version = 0;
   bool quick = false;
-  bool must_answer = false;  // a refusal is wrong
+  bool must_answer = false;       // a refusal is wrong
+  std::vector<std::string> only;  // methods that the scene has something to say of; empty: all
 };
 
 /// The light of a frame: moved so that shadows move by about a tenth of a texel of a map of 1024 texels.
@@ -42,6 +43,7 @@ class ShadowBlock final : public Block {
   std::uint64_t seed() const override { return input_.seed; }
   std::uint64_t dataset_hash() const override { return input_.dataset_hash; }
   bool quick() const override { return input_.quick; }
+  bool offers(std::size_t method) const override;
 
   /// Of each set, once for all the children of a hard case.
   void find_truth();
@@ -52,6 +54,8 @@ class ShadowBlock final : public Block {
   const Truth& truth(std::size_t query_set) { return truth_of(query_set).front(); }
 
  private:
+  double split();
+
   enum class What { image, line, motion };
   struct Set;
 
@@ -70,6 +74,7 @@ class ShadowBlock final : public Block {
   std::vector<shading::Scene> frames_;
   std::vector<Set> sets_;
   std::vector<QuerySet> query_sets_;
+  std::optional<double> split_;  // not yet known
 };
 
 /// Where the answers on a line from dark to light pass a share, as a share of the line; the first time

@@ -1,8 +1,10 @@
 #include "bench/shadow/task.hpp"
 
+#include <array>
 #include <stdexcept>
 
 #include "bench/shadow/closed_form.hpp"
+#include "bench/shadow/pictures.hpp"
 #include "datasets_gen/scenes/light.hpp"
 #include "datasets_gen/scenes/scene.hpp"
 
@@ -10,6 +12,8 @@ namespace treeline::bench::shadow {
 namespace {
 
 constexpr int frames = 5;  // of the set `motion`
+/// Of a plane under nothing every bias tells something, and no width of a light does.
+constexpr std::array of_planes{"unshadowed", "centre_ray", "shadow_map", "pcf", "vsm", "msm"};
 
 struct Size {
   int width, height;
@@ -69,17 +73,12 @@ void ShadowTask::check_flags(const RunContext& context) const {
 
 std::vector<BlockSpec> ShadowTask::blocks(Profile profile) const {
   if (profile == Profile::smoke) return {{"half_plane_edge", 100}};
-  std::vector<BlockSpec> out{{"half_plane_edge", 200},
-                             {"sphere_over_floor", 5'000},
-                             {"wall_on_floor", 200},
-                             {"slab_and_sheet", 200},
-                             {"two_stacked", 200},
-                             {"three_layers", 200},
-                             {"slit", 200},
-                             {"picket_fence", 2'000},
-                             {"leaves", 100'000},
-                             {"city", 20'000},
-                             {"open_casters", 500}};
+  std::vector<BlockSpec> out{
+      {"tilted_plane", 200},        {"tilted_plane_85_0", 200}, {"half_plane_edge", 200},
+      {"sphere_over_floor", 5'000}, {"wall_on_floor", 200},     {"slab_and_sheet", 200},
+      {"two_stacked", 200},         {"three_layers", 200},      {"slit", 200},
+      {"picket_fence", 2'000},      {"leaves", 100'000},        {"city", 20'000},
+      {"open_casters", 500}};
   if (profile == Profile::full) {
     out.push_back({"leaves", 1'000'000});
     out.push_back({"city", 200'000});
@@ -123,15 +122,21 @@ std::unique_ptr<Block> ShadowTask::open(datasets::Dataset dataset, const RunCont
   take_scene(input, std::move(dataset), context, version());
   if (datasets::is_scene(name)) {  // not a user's mesh, whatever the name of its file
     const datasets::KnownShadows known = datasets::known_shadows(name);
+    if (datasets::is_scene_of(name, "tilted_plane")) input.only = {of_planes.begin(), of_planes.end()};
     if (!context.own.contains("--light")) input.closed_form = form_of(known), input.lines = known.lines;
-    if (name.starts_with("half_plane_edge")) input.frames = frames;
+    // Maps for every frame take their time.
+    if (datasets::is_scene_of(name, "half_plane_edge") && context.profile != Profile::quick)
+      input.frames = frames;
   }
   input.truth = truth_options(context.profile, context.seed);
   input.threads = context.threads;
-  input.quick = context.profile == Profile::quick;
+  input.quick = context.profile != Profile::full;
   return std::make_unique<ShadowBlock>(registered(), std::move(input));
 }
 
-void ShadowTask::pictures(const BlockSpec&, const RunContext&, const std::string&) const {}
+void ShadowTask::pictures(const BlockSpec& spec, const RunContext& context, const std::string& folder) const {
+  const auto block = open(spec, context);
+  draw_pictures(registered(), dynamic_cast<ShadowBlock&>(*block), spec.dataset, context.threads, folder);
+}
 
 }  // namespace treeline::bench::shadow

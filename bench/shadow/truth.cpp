@@ -77,9 +77,8 @@ class Tracer {
     for (std::size_t k = 0; k < hit.size(); ++k) seen.half[k >= hit.size() / 2] += hit[k] ? 0 : 1;
     seen.samples = to;
   }
-  bool lit(const Receiver& r) const {
-    return !tree_.any_hit(ray_along(r, to_light(scene_.light, r.position)));
-  }
+  bool lit(const Receiver& r, const ToLight& to) const { return !tree_.any_hit(ray_along(r, to)); }
+  bool lit(const Receiver& r) const { return lit(r, to_light(scene_.light, r.position)); }
 
  private:
   geometry::Rayf ray(const Receiver& r, int half, std::size_t i, int s) const {
@@ -146,6 +145,34 @@ Truth traced_truth(const shading::Scene& scene, const Tree& tree, std::span<cons
     truth.visibility[i] = 0.5 * (seen[i].mean(0) + seen[i].mean(1)),
     truth.samples += 2.0 * seen[i].samples / double(n);
   return truth;
+}
+
+double split_error(const shading::Scene& scene, const Tree& tree, std::span<const Receiver> receivers,
+                   const Truth& truth, int samples, int threads) {
+  if (is_hard(scene.light) || receivers.empty()) return 0;
+  const Tracer tracer(scene, tree, receivers, 0);
+  std::vector<double> off(receivers.size());
+  accel::parallel_ranges(receivers.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (truth.visibility[i] <= 0 || truth.visibility[i] >= 1) continue;
+      const Receiver& r = receivers[i];
+      double seen = 0, sent = 0, all = 0;
+      for (int s = 0; s < samples; ++s) {
+        const auto index = static_cast<std::uint32_t>(s);
+        const ToLight to = to_light(scene.light, r.position, geometry::sobol_owen(index, 0, i),
+                                    geometry::sobol_owen(index, 1, i));
+        double weight = std::max(0.0, dot(to.direction, r.normal));
+        if (to.distance < far_away)
+          weight *= std::max(0.0, -dot(to.direction, scene.light.direction)) / (to.distance * to.distance);
+        all += weight;
+        if (tracer.lit(r, to)) seen += 1, sent += weight;
+      }
+      if (all > 0) off[i] = sent / all - seen / samples;
+    }
+  });
+  double sum = 0;
+  for (const double d : off) sum += d * d;
+  return std::sqrt(sum / double(off.size()));
 }
 
 std::uint64_t truth_hash(const shading::Scene& scene, std::span<const Receiver> receivers,

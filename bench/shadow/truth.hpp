@@ -46,7 +46,14 @@ double ray_offset(const shading::Scene&);
 Truth traced_truth(const shading::Scene&, const Tree&, std::span<const Receiver>,
                    std::span<const std::uint32_t> pixel, int width, const TruthOptions&, int threads);
 
-/// Of a hash of all that the truth depends on but for the mesh: light, receivers and options.
+/// What taking the visibility out of the integral does: the RMS over the receivers of the difference between
+/// the share of the light's area that is seen, and the share of what it sends to a diffuse surface there
+/// (weighted by the cosines at both ends and the distance). Receivers whose truth is all or nothing count as
+/// 0. `samples` each.
+double split_error(const shading::Scene&, const Tree&, std::span<const Receiver>, const Truth&, int samples,
+                   int threads);
+
+/// A hash of all that the truth depends on but for the mesh: light, receivers and options.
 std::uint64_t truth_hash(const shading::Scene&, std::span<const Receiver>, const TruthOptions&);
 
 }  // namespace treeline::bench::shadow

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <fstream>
 
+#include "datasets_gen/files/images.hpp"
 #include "datasets_gen/files/input.hpp"
 #include "geometry/adjacency.hpp"
 
@@ -12,7 +13,15 @@ namespace treeline::datasets {
 namespace files {
 namespace {
 
-constexpr std::string_view known_extensions = "ply, obj, stl, off, gltf, glb, pcd, xyz, txt, csv";
+constexpr std::string_view known_extensions = "ply, obj, stl, off, gltf, glb, pcd, xyz, txt, csv, and images";
+
+/// Images that are known by name where no package can read them.
+[[maybe_unused]] constexpr std::string_view common_images[] = {"png",  "exr", "hdr", "jpg",  "jpeg", "tif",
+                                                               "tiff", "tga", "bmp", "webp", "ppm",  "pfm"};
+
+/// Geometry, whatever else OpenImageIO might read under these names.
+[[maybe_unused]] constexpr std::string_view own_extensions[] = {"ply", "obj", "stl", "off", "gltf",
+                                                                "glb", "pcd", "xyz", "txt", "csv"};
 
 /// Float rounds a coordinate by at most this share of the extent before a note is due.
 constexpr double noted_rounding = 1e-6;
@@ -103,6 +112,9 @@ Loaded load_by(const Input& in, const std::string& extension) {
     not_built(in, "PCL");
 #endif
   }
+#ifndef TREELINE_HAVE_OPENIMAGEIO
+  if (std::ranges::find(common_images, extension) != std::end(common_images)) not_built(in, "OpenImageIO");
+#endif
   in.fail("", extension.empty()
                   ? "has no extension to tell its format by; known: " + std::string(known_extensions)
                   : "unknown extension ." + extension + "; known: " + std::string(known_extensions));
@@ -170,6 +182,11 @@ Dataset read(const std::filesystem::path& path) {
   files::take_mark_off(in, extension);
   // A binary STL may start with anything; 80 bytes of it are a comment.
   if (extension != "stl") files::refuse_disguised(in);
+#ifdef TREELINE_HAVE_OPENIMAGEIO
+  if (std::ranges::find(files::own_extensions, extension) == std::end(files::own_extensions) &&
+      files::is_image_extension(extension))
+    return files::read_image(in);
+#endif
 
   files::Loaded loaded;
   try {

@@ -1,5 +1,9 @@
 #include "datasets_gen/files/write.hpp"
 
+#ifdef TREELINE_HAVE_OPENIMAGEIO
+#include "datasets_gen/files/images.hpp"
+#endif
+
 #include <bit>
 #include <cctype>
 #include <cerrno>
@@ -124,6 +128,43 @@ std::filesystem::path make_part(const std::filesystem::path& path) {
   throw FileError(path, "", "cannot be opened for writing");
 }
 
+/// Calls put(file) with the name of an empty file, which then becomes `path`; nothing is left behind if it
+/// throws, or returns false.
+template <class Put>
+void write_whole(const std::filesystem::path& path, bool overwrite, const Put& put) {
+  std::error_code error;
+  if (!overwrite && std::filesystem::exists(path, error)) throw FileError(path, "", "exists already");
+  // Under another name until it is complete.
+  const std::filesystem::path part = make_part(path);
+  bool good = false;
+  try {
+    good = put(part);
+  } catch (...) {
+    std::filesystem::remove(part, error);
+    throw;
+  }
+  if (good) std::filesystem::rename(part, path, error);
+  if (!good || error) {
+    std::filesystem::remove(part, error);
+    throw FileError(path, "", "writing failed; is the disk full?");
+  }
+}
+
+void write_image_file(const Dataset& dataset, const std::filesystem::path& path, const std::string& extension,
+                      bool overwrite) {
+  if (extension != ".png" && extension != ".exr")
+    throw FileError(path, "", "images are written as .png or .exr");
+#ifdef TREELINE_HAVE_OPENIMAGEIO
+  write_whole(path, overwrite, [&](const std::filesystem::path& part) {
+    files::write_image(dataset.image, part, extension.substr(1), path);
+    return true;
+  });
+#else
+  static_cast<void>(dataset), static_cast<void>(overwrite);
+  throw FileError(path, "", "writing images needs OpenImageIO, which this program was built without");
+#endif
+}
+
 }  // namespace
 
 void write(const Dataset& dataset, const std::filesystem::path& path, bool overwrite) {
@@ -134,6 +175,7 @@ void write(const Dataset& dataset, const std::filesystem::path& path, bool overw
   }
   std::string extension = path.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (dataset.kind == Kind::image) return write_image_file(dataset, path, extension, overwrite);
   const bool cloud = dataset.kind == Kind::cloud;
   void (*writer)(const Dataset&, Sink&) = nullptr;
   if (extension == ".ply") writer = write_ply;
@@ -152,22 +194,16 @@ void write(const Dataset& dataset, const std::filesystem::path& path, bool overw
         throw FileError(path, "point " + std::to_string(i),
                         "text cannot hold a coordinate that is not finite");
 
-  std::error_code error;
-  if (!overwrite && std::filesystem::exists(path, error)) throw FileError(path, "", "exists already");
-  // Under another name until it is complete.
-  const std::filesystem::path part = make_part(path);
-  std::ofstream stream(part, std::ios::binary | std::ios::trunc);
-  if (!stream) throw FileError(path, "", "cannot be opened for writing");
-  {
-    Sink sink(stream);
-    writer(dataset, sink);
-  }
-  stream.close();
-  if (stream) std::filesystem::rename(part, path, error);
-  if (!stream || error) {
-    std::filesystem::remove(part, error);
-    throw FileError(path, "", "writing failed; is the disk full?");
-  }
+  write_whole(path, overwrite, [&](const std::filesystem::path& part) {
+    std::ofstream stream(part, std::ios::binary | std::ios::trunc);
+    if (!stream) throw FileError(path, "", "cannot be opened for writing");
+    {
+      Sink sink(stream);
+      writer(dataset, sink);
+    }
+    stream.close();
+    return static_cast<bool>(stream);
+  });
 }
 
 }  // namespace treeline::datasets

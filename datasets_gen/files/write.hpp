@@ -4,6 +4,8 @@
 //   .pcd  clouds, binary, bit for bit
 //   .xyz  clouds, text, as .obj
 //   .csv  clouds, text, the same behind a line that names the columns: x,y,z
+//   .png  images of 8 or 16 bits, bit for bit; others are refused
+//   .exr  images, floats bit for bit
 // Clouds that float cannot hold are written as doubles in each of these.
 #pragma once
 

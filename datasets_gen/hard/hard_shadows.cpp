@@ -11,26 +11,10 @@ using shading::LightKind;
 
 constexpr std::size_t faces = 200;      // of the scenes with a name: they are flat, but for the sphere
 constexpr int columns = 96, rows = 72;  // of their images
-constexpr double behind_foot = 1e-3;    // metres: a receiver at the very foot is in the blocker's plane
-
-/// The numbers after a scene's name, or the defaults.
-std::vector<double> knobs_of(const std::string& scene, const std::string& name) {
-  std::vector<double> out;
-  for (const SceneRecipe& recipe : scene_recipes())
-    if (recipe.name == name)
-      for (const SceneKnob& knob : recipe.knobs) out.push_back(knob.value);
-  std::size_t at = name.size();
-  for (double& value : out) {
-    if (at >= scene.size()) break;
-    const std::size_t end = std::min(scene.find('_', at + 1), scene.size());
-    value = std::stod(scene.substr(at + 1, end - at - 1));
-    at = end;
-  }
-  return out;
-}
-bool is(const std::string& scene, const std::string& name) {
-  return scene == name || scene.starts_with(name + "_");
-}
+/// Of an image's angle: its pixels lie otherwise in texels each time. Where one falls on one, all see the
+/// same.
+constexpr double unlike_texels = 0.618034;
+constexpr double behind_foot = 1e-3;  // metres: a receiver at the very foot is in the blocker's plane
 
 /// Seen from above, a square of side 2 h of the floor fills the image.
 shading::Camera from_above(double h, double height) {
@@ -63,7 +47,8 @@ void add_lit(std::vector<HardShadow>& all) {
     of_scene(
         all, scene,
         "derivation: without bias half of a plane shadows itself, with b along the light ½ − b/(s tan θ)",
-        law);
+        law)
+        .scene.camera.height_angle *= unlike_texels;
   of_scene(all, "tilted_plane_88_0", "derivation: marches that begin at a grazing floor are stopped by it",
            law);
   HardShadow& flat =
@@ -109,6 +94,9 @@ void add_soft(std::vector<HardShadow>& all) {
   const char* const law = "a penumbra is as wide as the formula has it";
   of_scene(all, "half_plane_edge_1_0.5", "closed form: a rectangle over an edge", law).frames = 5;
   of_scene(all, "half_plane_edge_3_0.5", "closed form: a rectangle over an edge, near the light", law);
+  for (const char* light : {"0.05", "0.5", "1.5"})
+    of_scene(all, "sphere_over_floor_" + std::string(light),
+             "light taken out of the integral with its visibility", "a shadow is that of the whole light");
   of_scene(all, "slit_0.25", "closed form: the product or the least of two half shadows is not their union",
            law);
 
@@ -157,25 +145,44 @@ void add_volumes(std::vector<HardShadow>& all) {
 
 }  // namespace
 
+bool is_scene_of(const std::string& scene, const std::string& name) {
+  return scene == name || scene.starts_with(name + "_");
+}
+
+std::vector<double> scene_knobs(const std::string& scene, const std::string& name) {
+  std::vector<double> out;
+  for (const SceneRecipe& recipe : scene_recipes())
+    if (recipe.name == name)
+      for (const SceneKnob& knob : recipe.knobs) out.push_back(knob.value);
+  std::size_t at = name.size();
+  for (double& value : out) {
+    if (at >= scene.size()) break;
+    const std::size_t end = std::min(scene.find('_', at + 1), scene.size());
+    value = std::stod(scene.substr(at + 1, end - at - 1));
+    at = end;
+  }
+  return out;
+}
+
 KnownShadows known_shadows(const std::string& scene) {
   KnownShadows k;
-  if (is(scene, "tilted_plane")) k.all_lit = true;
-  if (is(scene, "half_plane_edge")) {
-    const auto knobs = knobs_of(scene, "half_plane_edge");
+  if (is_scene_of(scene, "tilted_plane")) k.all_lit = true;
+  if (is_scene_of(scene, "half_plane_edge")) {
+    const auto knobs = scene_knobs(scene, "half_plane_edge");
     k.blockers.planes.push_back({{0, knobs[0], 0}, {0, 0, 1}, {-1, 0, 0}});
     const double w = knobs[1] * knobs[0] / (4 - knobs[0]), reach = 1.5 * w + 0.05;
     k.lines.push_back({"edge", {-reach, 0, 0}, {reach, 0, 0.2}});
   }
-  if (is(scene, "slit")) {
-    const double half = 0.5 * knobs_of(scene, "slit")[0];
+  if (is_scene_of(scene, "slit")) {
+    const double half = 0.5 * scene_knobs(scene, "slit")[0];
     k.blockers.planes = {{{-half, 2, 0}, {0, 0, 1}, {-1, 0, 0}}, {{half, 2, 0}, {0, 0, 1}, {1, 0, 0}}};
   }
-  if (is(scene, "wall_on_floor")) {
-    const double half = 0.5 * knobs_of(scene, "wall_on_floor")[0];
+  if (is_scene_of(scene, "wall_on_floor")) {
+    const double half = 0.5 * scene_knobs(scene, "wall_on_floor")[0];
     k.lines.push_back({"contact", {half + behind_foot, 0, 0}, {half + 0.5, 0, 0.1}});
   }
-  if (is(scene, "two_stacked")) k.lines.push_back({"leak", {-1.5, 0, 0.1}, {0.9, 0, -0.1}});
-  if (is(scene, "three_layers")) k.lines.push_back({"leak", {-1, 0, -0.9}, {1, 0, 0.9}});
+  if (is_scene_of(scene, "two_stacked")) k.lines.push_back({"leak", {-1.5, 0, 0.1}, {0.9, 0, -0.1}});
+  if (is_scene_of(scene, "three_layers")) k.lines.push_back({"leak", {-1, 0, -0.9}, {1, 0, 0.9}});
   return k;
 }
 

@@ -40,6 +40,11 @@ struct KnownShadows {
 };
 KnownShadows known_shadows(const std::string& scene);
 
+/// Whether it is the scene of this name, with or without knobs.
+bool is_scene_of(const std::string& scene, const std::string& name);
+/// The numbers after the scene's name, or the defaults of those left out; of a name that make_scene takes.
+std::vector<double> scene_knobs(const std::string& scene, const std::string& name);
+
 struct HardShadow {
   std::string name;  ///< unique, over all other hard cases too
   std::string source, law;

@@ -114,6 +114,10 @@ struct DistanceOrder {
 /// The feature of a triangle nearest to p: 0 the face, 1 edge ab, 2 edge bc, 3 edge ca, 4 corner a, 5 b, 6 c.
 /// A point on the border of two regions belongs to the smaller feature.
 inline int exact_feature(const Vec3d& p, const Triangle3d& t) {
+  // All the signs below would be exact zeros, which are dear.
+  if (p == t.a) return 4;
+  if (p == t.b) return 5;
+  if (p == t.c) return 6;
   const int d1 = detail::dot_sign(t.a, t.b, p, t.a), d2 = detail::dot_sign(t.a, t.c, p, t.a);
   if (d1 <= 0 && d2 <= 0) return 4;
   const int d3 = detail::dot_sign(t.a, t.b, p, t.b), e3 = detail::dot_sign(t.b, t.c, p, t.b);
@@ -127,15 +131,25 @@ inline int exact_feature(const Vec3d& p, const Triangle3d& t) {
   return 0;
 }
 
-/// The squared distance, rounded once to the nearest double.
-inline double exact_distance2(const Vec3d& p, const Triangle3d& triangle) {
-  const detail::FeatureDistance2 nearest{p, triangle, exact_feature(p, triangle)};
+namespace detail {
+
+/// Rounded once.
+template <class T>
+T rounded_distance2(const FeatureDistance2& nearest) {
   BoundedDouble above, below;
   nearest.quotient(above, below);
-  if (const auto r = detail::rounded_if_certain<double>(above, below)) return *r;
+  if (above.certain_sign() == 0) return 0;  // of which no digit is left to round
+  if (const auto r = rounded_if_certain<T>(above, below)) return *r;
   Dyadic n, d;
   nearest.quotient(n, d);
-  return rounded_quotient<double>(n, d);
+  return rounded_quotient<T>(n, d);
+}
+
+}  // namespace detail
+
+/// The squared distance, rounded once to the nearest double.
+inline double exact_distance2(const Vec3d& p, const Triangle3d& triangle) {
+  return detail::rounded_distance2<double>({p, triangle, exact_feature(p, triangle)});
 }
 
 struct DistanceBracket {

@@ -84,16 +84,19 @@ class AreaRays {
  private:
   static constexpr std::size_t rays_at_once = 4096;
 
-  struct Buffers {
-    std::vector<Vec2d> points;
+  struct Rays {
     std::vector<Ray> rays;
     std::vector<std::uint32_t> owners;
+  };
+  struct Buffers {
+    std::vector<Vec2d> points;
+    Rays by_octant[8];  // of their directions: those of one go together in packets
     std::vector<std::uint8_t> hidden;
   };
 
   template <class... How>
   void cast(std::span<const Receiver> receivers, std::span<float> answers, Buffers& b, How... how) const {
-    b.rays.clear(), b.owners.clear();
+    for (Rays& r : b.by_octant) r.rays.clear(), r.owners.clear();
     for (std::size_t i = 0; i < receivers.size(); ++i) {
       answers[i] = 0;
       samples_(pixel_of(receivers[i]), b.points);
@@ -101,13 +104,17 @@ class AreaRays {
       for (const Vec2d& point : b.points) {
         const Vec3d way = light_.towards(origin, point);
         if (!(dot(way, receivers[i].normal) > 0)) continue;
-        b.rays.push_back(ray(origin, way)), b.owners.push_back(static_cast<std::uint32_t>(i));
+        Rays& to = b.by_octant[(way[0] < 0 ? 1 : 0) | (way[1] < 0 ? 2 : 0) | (way[2] < 0 ? 4 : 0)];
+        to.rays.push_back(ray(origin, way)), to.owners.push_back(static_cast<std::uint32_t>(i));
       }
     }
-    b.hidden.resize(b.rays.size());
-    tree_->any_hit(std::span<const Ray>(b.rays), std::span<std::uint8_t>(b.hidden), 1, how...);
-    for (std::size_t n = 0; n < b.rays.size(); ++n)
-      if (!b.hidden[n]) ++answers[b.owners[n]];
+    for (const Rays& r : b.by_octant) {
+      if (r.rays.empty()) continue;
+      b.hidden.resize(r.rays.size());
+      tree_->any_hit(std::span<const Ray>(r.rays), std::span<std::uint8_t>(b.hidden), 1, how...);
+      for (std::size_t n = 0; n < r.rays.size(); ++n)
+        if (!b.hidden[n]) ++answers[r.owners[n]];
+    }
     for (float& a : answers) a /= static_cast<float>(samples_.count());
   }
   Ray ray(const Vec3d& origin, const Vec3d& way) const {

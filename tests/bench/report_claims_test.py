@@ -30,7 +30,8 @@ class Claims(unittest.TestCase):
 
     def test_every_claim_of_the_list_has_a_verdict_and_none_is_written_there(self):
         listed = json.loads(claims.LIST.read_text())
-        self.assertEqual([c["id"] for c in listed], ["S1", "S2", "S3", "S4", "S5", "S6", "S7"])
+        ids = [f"{letter}{k}" for letter, last in (("S", 7), ("T", 3), ("H", 13)) for k in range(1, last + 1)]
+        self.assertEqual([c["id"] for c in listed], ids)
         for claim in listed:
             self.assertNotIn("verdict", claim)
         self.assertEqual({v.word for v in claims.ledger([])}, {claims.NOT_RUN})
@@ -164,6 +165,32 @@ class RayClaims(unittest.TestCase):
         self.assertEqual(v.word, claims.ONLY_IF)
         self.assertEqual(len(v.figures), 6)  # two contests: rays, queries near the mesh and away from it
         self.assertNotIn(claims.PLACES["surface"], v.condition)
+
+    def test_s3_takes_points_inside_too(self):
+        def signs(bvh):
+            return [ray(m, t, query_set=s) | {"task": "inside", "method": f"{m[1]}_first_hit"} for s in ("near", "uniform")
+                    for m, t in ((KD_RAY, 200), (BSP_RAY, 300), (BVH_RAY, bvh))]  # fmt: skip
+
+        v = self.verdict("S3", signs(100))
+        self.assertEqual((v.word, len(v.figures)), (claims.HOLDS, 4))  # two contests, near the mesh and away from it
+        self.assertEqual(self.verdict("S3", signs(400)).word, claims.FAILS)
+
+    def test_s4_and_s5_look_at_other_tasks_too(self):
+        def rows(task, bsp, bvh, dear):
+            return [ray(m, build_s=s, bytes=1000, **{f"{task}_references": 1000, f"{task}_node_bytes": 24}) | {"task": task, "method": name}
+                    for m, name, s in ((BVH_RAY, bvh, 1.0), (BSP_RAY, bsp, dear))]  # fmt: skip
+
+        entries = (rows("ray", "bsp_tree", "bvh", 5.0) + rows("closest_point", "bsp_tree", "bvh", 0.5)
+                   + rows("inside", "bsp_first_hit", "bvh_first_hit", 3.0))  # fmt: skip
+        v = self.verdict("S4", entries)
+        found = {words: (round(ratio, 6), yes) for words, ratio, _, yes in v.figures}
+        self.assertEqual(len(found), 9)
+        self.assertEqual(found["build time"], (5, True))
+        self.assertEqual(found["build time, for closest points"], (0.5, False))
+        self.assertEqual(found["build time, for points inside"], (3, True))
+        v = self.verdict("S5", entries)
+        self.assertEqual(len(v.figures), 6)  # two families in three tasks
+        self.assertEqual(len(v.table[1]), 6)
 
     def test_s4_takes_cost_apart(self):
         def costs(seconds, bytes):

@@ -39,6 +39,16 @@ class Damage(unittest.TestCase):
         values = card.figures[0].chart.to_dict()["data"]["values"]
         self.assertEqual({v["text"] for v in values}, {"0.1", "0.2", "3", "100"})
 
+    def test_what_a_method_leaves_to_others_is_told_where_it_answers_any(self):
+        entries = [row("solid", "ball+hole_2", None, ns=None, status="unsupported"), row("solid", "ball+nested", 0.1),
+                   row("sum", "ball+hole_2", None, ns=None, status="unsupported"), row("rays", "ball+hole_2", 0.5)]  # fmt: skip
+        task, found = self.table(*entries)
+        (cells,) = found.values()
+        self.assertEqual([key for key in cells], [("solid", "hole_2"), ("solid", "nested"), ("rays", "hole_2")])
+        (card,) = inside.cards(task, model.numbers([task]))
+        values = card.figures[0].chart.to_dict()["data"]["values"]
+        self.assertEqual([(v["text"], v["share"]) for v in values], [("–", None), ("10", 0.1), ("50", 0.5)])
+
     def test_none_wrong_is_said_so(self):
         task, _ = self.table(row("rays", "ball+unwelded", 0.0))
         (card,) = inside.cards(task, model.numbers([task]))

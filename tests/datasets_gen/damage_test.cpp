@@ -8,6 +8,7 @@
 #include <set>
 
 #include "datasets_gen/diagnosis.hpp"
+#include "datasets_gen/loss.hpp"
 
 namespace treeline::datasets {
 namespace {
@@ -142,6 +143,39 @@ TEST(Decimation, ReachesItsShareAndStaysNearTheSurface) {
   EXPECT_THROW(decimated(odd, 0.5), std::invalid_argument);
 }
 
+// A cube of side 2 beside one of side 1 that is gone, and the same cube with a corner pulled in.
+TEST(Losses, HaveTheirClosedForms) {
+  const auto cube = [](float low, float high) {
+    Mesh3f m;
+    for (int i = 0; i < 8; ++i)
+      m.vertices.push_back({i & 1 ? high : low, i & 2 ? high : low, i & 4 ? high : low});
+    m.faces = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+               {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    return m;
+  };
+  const Mesh3f one = cube(-1, 1);
+  Mesh3f two = one;
+  const Mesh3f other = cube(3, 4);
+  two.vertices.insert(two.vertices.end(), other.vertices.begin(), other.vertices.end());
+  for (const auto& f : other.faces) two.faces.push_back({f[0] + 8, f[1] + 8, f[2] + 8});
+  const Loss same = loss(one, one, 1), less = loss(two, one, 1);
+  EXPECT_EQ(same.farthest, 0);
+  EXPECT_EQ(same.area, 24);
+  EXPECT_EQ(same.volume_left, 8);
+  EXPECT_EQ(same.crossings, 0u);
+  EXPECT_EQ(less.parts, 2u);
+  EXPECT_EQ(less.parts_left, 1u);
+  EXPECT_EQ(less.area - less.area_left, 6);
+  EXPECT_EQ(less.volume - less.volume_left, 1);
+  EXPECT_NEAR(less.farthest, std::sqrt(27.0), 1e-6);
+  EXPECT_NEAR(less.diagonal, std::sqrt(75.0), 1e-6);
+  Mesh3f open = one;
+  open.faces.pop_back();
+  EXPECT_TRUE(std::isnan(loss(one, open, 1).volume_left));
+  EXPECT_NE(as_text(loss(one, open, 1)).find("no longer closed"), std::string::npos);
+  EXPECT_TRUE(std::isinf(loss(one, Mesh3f{}, 1).farthest));
+}
+
 TEST(HalfEdges, WhatOpenMeshDoesToNonManifoldInputIsReported) {
   if (!has_half_edges()) GTEST_SKIP() << "built without OpenMesh";
   EXPECT_TRUE(half_edge_report(ball()).faithful());
@@ -162,6 +196,34 @@ TEST(Diagnosis, IsCleanOnlyWhereNothingIsFound) {
   for (const char* name : {"hole_2", "missing_1", "flipped_1", "duplicated_1", "degenerate_1", "unwelded",
                            "inside_out", "nested"})
     EXPECT_FALSE(diagnose(damaged_ball(name), 5, 1).clean()) << name;
+}
+
+// What the lines of a diagnosis say follows from one another: open means edges with an odd number of faces,
+// borders mean edges with one. Each damage, with and without others.
+TEST(Diagnosis, DoesNotContradictItself) {
+  for (const char* name : {"hole_2", "missing_1", "flipped_1", "duplicated_1", "degenerate_1", "unwelded",
+                           "inside_out", "nested", "duplicated_5+hole_2", "missing_1+duplicated_10",
+                           "flipped_10+duplicated_10", "duplicated_10+unwelded", "hole_2+degenerate_5"}) {
+    SCOPED_TRACE(name);
+    Dataset d = generate("icosphere+" + std::string(name), 2000, 1);
+    const Diagnosis found = diagnose(d.mesh, 1, 1);
+    const geometry::MeshCheck& m = found.mesh;
+    EXPECT_EQ(m.closed, m.odd_edges == 0);
+    EXPECT_EQ(m.oriented, m.misoriented_edges.count == 0);
+    EXPECT_EQ(m.boundary_loops > 0, m.boundary_edges.count > 0);
+    EXPECT_LE(m.boundary_loops, m.boundary_edges.count);
+    EXPECT_GE(m.odd_edges, m.boundary_edges.count);
+    EXPECT_LE(m.odd_edges, m.boundary_edges.count + m.non_manifold_edges.count);
+    EXPECT_EQ(m.welded.closed, m.welded.odd_edges == 0);
+    EXPECT_EQ(m.welded.oriented, m.welded.misoriented_edges == 0);
+    EXPECT_GE(m.welded.odd_edges, m.welded.boundary_edges);
+    const std::string text = as_text(d, found);
+    EXPECT_EQ(text.find("closed: yes") != std::string::npos,
+              m.closed || (m.duplicate_vertices.count > 0 && m.welded.closed));
+    const auto json = nlohmann::json::parse(as_json(d, found));
+    EXPECT_EQ(json["odd_edges"], m.odd_edges);
+    EXPECT_EQ(json["welded"]["odd_edges"], m.welded.odd_edges);
+  }
 }
 
 TEST(Diagnosis, IsValidJsonWithTheSameCounts) {

@@ -10,7 +10,7 @@ class Reading : public FolderTest {};
 
 TEST_F(RoundTrip, WritesEveryRecipeAndReadsTheSameBits) {
   for (const Recipe& recipe : recipes()) {
-    if (recipe.kind == Kind::vectors) continue;
+    if (recipe.kind == Kind::vectors || recipe.kind == Kind::image) continue;
     const Dataset made = generate(recipe.name, 3000, 5);
     for (const std::string extension : {"ply", "obj", "pcd", "xyz", "csv"}) {
       if (recipe.kind == Kind::mesh && extension != "ply" && extension != "obj") continue;

@@ -39,12 +39,30 @@ TEST_F(Program, ChecksFiles) {
   EXPECT_EQ(run("--json good.ply a.ply").status, 2);
 }
 
+TEST_F(Program, WritesTextures) {
+#ifndef TREELINE_HAVE_OPENIMAGEIO
+  GTEST_SKIP();
+#endif
+  const Result listed = run("--list");
+  EXPECT_NE(listed.output.find("marble"), std::string::npos) << listed.output;
+  EXPECT_NE(listed.output.find("image"), std::string::npos);
+  const Result made = run("--n 2500 marble a.png");
+  EXPECT_EQ(made.status, 0) << made.output;
+  EXPECT_NE(made.output.find("2500 pixels"), std::string::npos) << made.output;
+  EXPECT_EQ(read(folder() / "a.png").hash(), generate("marble", 2500, 1).hash());
+  EXPECT_EQ(run("--n 2500 ramp a.exr").status, 0);
+  EXPECT_EQ(run("--n 2500 ramp b.png").status, 2) << "PNG has no floats";
+  EXPECT_EQ(run("--n 2500 marble b.ply").status, 2);
+  EXPECT_EQ(run("--check a.png").status, 2);
+}
+
 TEST_F(Program, Decimates) {
   if (!reads("ply")) GTEST_SKIP();
   write(generate("icosphere", 5000, 1), folder() / "in.ply");
   const Result made = run("--decimate 0.1 in.ply out.ply");
   EXPECT_EQ(made.status, 0) << made.output;
-  EXPECT_NE(made.output.find("of 5120 triangles"), std::string::npos) << made.output;
+  for (const char* words : {"of 5120 triangles", "off the faces left", "area", "volume"})
+    EXPECT_NE(made.output.find(words), std::string::npos) << made.output;
   EXPECT_LE(read(folder() / "out.ply").size(), 512u);
   EXPECT_EQ(run("--decimate 0.1 in.ply out.ply").status, 2) << "would overwrite";
   EXPECT_EQ(run("--decimate 0.1 in.ply out.ply --force").status, 0);
@@ -59,11 +77,17 @@ TEST_F(Program, SaysWhyASoupIsNotDecimated) {
   write(generate("icosphere+unwelded", 1000, 1), folder() / "soup.ply");
   const Result soup = run("--decimate 0.1 soup.ply a.ply");
   EXPECT_EQ(soup.status, 0);
-  EXPECT_NE(soup.output.find("join them first"), std::string::npos) << soup.output;
+  EXPECT_NE(soup.output.find("--weld joins them first"), std::string::npos) << soup.output;
   write(generate("icosphere", 1000, 1), folder() / "ball.ply");
   const Result ball = run("--decimate 0.5 ball.ply b.ply");
-  EXPECT_EQ(ball.output.find("join them"), std::string::npos) << ball.output;
+  EXPECT_EQ(ball.output.find("--weld"), std::string::npos) << ball.output;
   EXPECT_EQ(ball.output.find("cross"), std::string::npos) << ball.output;
+  const Result joined = run("--decimate 0.5 soup.ply c.ply --weld");
+  EXPECT_EQ(joined.status, 0) << joined.output;
+  EXPECT_EQ(joined.output.find("--weld"), std::string::npos) << joined.output;
+  EXPECT_LE(2 * read(folder() / "c.ply").size(), read(folder() / "soup.ply").size());
+  EXPECT_EQ(run("--check c.ply").status, 0);
+  EXPECT_EQ(run("--weld --check c.ply").status, 2);
 }
 
 TEST_F(Program, SaysWhereADecimatedMeshCrossesItself) {

@@ -51,6 +51,12 @@ TEST_P(EveryRecipe, GivesTheSameBitsOnEveryMachine) {
       {"uniform_8", 0x5000969fd23040d7ull},
       {"uniform_32", 0xabfc523ff6597e5full},
       {"uniform_128", 0x1ba1bbf048794efeull},
+      {"noise", 0xbe2031b7579b8a3full},
+      {"ramp", 0x0a3fbcfbbc9da65full},
+      {"checkers", 0xa824f012847b0a8full},
+      {"mask", 0x973e6960cd6d0f99ull},
+      {"star", 0xb98df844c67b891dull},
+      {"marble", 0xe81cc63c418e46f2ull},
   };
   ASSERT_TRUE(pinned.contains(GetParam().name));
   EXPECT_EQ(generate(GetParam().name, 5000, 7).hash(), pinned.at(GetParam().name));
@@ -70,6 +76,7 @@ TEST_P(EveryRecipe, IsFiniteAndNamesOnlyVerticesThatExist) {
   for (const auto& p : d.cloud.points) EXPECT_TRUE(is_finite(p));
   for (const auto& p : d.mesh.vertices) EXPECT_TRUE(is_finite(p));
   EXPECT_TRUE(std::ranges::all_of(d.vectors.scalars, [](float x) { return std::isfinite(x); }));
+  EXPECT_TRUE(std::ranges::all_of(d.image.values, [](float x) { return x >= 0 && x <= 1; }));
   std::vector<bool> used(d.mesh.vertices.size());
   for (const auto& f : d.mesh.faces)
     for (const auto v : f) {

@@ -1,4 +1,5 @@
-// Adjacency against OpenMesh's half-edges on manifold meshes, and by hand where OpenMesh refuses the input.
+// Adjacency and what is built on it, silhouettes and pseudonormals, against OpenMesh's half-edges on manifold
+// meshes, and by hand where OpenMesh refuses the input.
 #include "geometry/adjacency.hpp"
 
 #include <gtest/gtest.h>
@@ -7,12 +8,14 @@
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <set>
 
+#include "accel/signed_distance/pseudonormal.hpp"
+#include "datasets_gen/dataset.hpp"
 #include "tests/geometry/meshes.hpp"
 
 namespace treeline::test {
 namespace {
 
-using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<>;
+using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<OpenMesh::DefaultTraitsDouble>;
 
 HalfEdgeMesh half_edge_mesh(const Mesh3f& mesh) {
   HalfEdgeMesh r;
@@ -84,6 +87,108 @@ TEST(Adjacency, MeshesWithHolesAgreeWithOpenMesh) {
   EXPECT_TRUE(ok);
 }
 
+/// Closed and open ones, made here and by the recipes.
+std::vector<std::pair<std::string, Mesh3f>> generated_meshes() {
+  std::vector<std::pair<std::string, Mesh3f>> r{
+      {"sphere", sphere<float>(4)}, {"spiky", spiky<float>(3, 1)}, {"torus", torus<float>(24, 12)}};
+  Mesh3f holed = sphere<float>(3);
+  holed.faces.erase(holed.faces.begin() + 100, holed.faces.begin() + 180);
+  r.push_back({"holed", holed});
+  for (const char* name : {"icosphere", "torus_knot", "nested_shells", "terrain"})
+    r.push_back({name, datasets::generate(name, 3000, 3).mesh});
+  return r;
+}
+
+TEST(Adjacency, GeneratedMeshesAgreeWithOpenMesh) {
+  for (const auto& [name, mesh] : generated_meshes()) {
+    SCOPED_TRACE(name);
+    check_against_open_mesh(mesh);
+  }
+}
+
+using Ends = std::pair<std::uint32_t, std::uint32_t>;
+
+/// Edges between a face turned to the eye and one turned away, decided exactly.
+std::set<Ends> silhouette(const Mesh3f& mesh, const Adjacency& adjacency, const Vec3f& eye) {
+  std::set<Ends> r;
+  for (const Adjacency::Edge& edge : adjacency.edges()) {
+    int turned_to = 0, turned_away = 0;
+    for (const std::uint32_t h : adjacency.half_edges_of(edge)) {
+      const Triangle3f t = mesh.triangle(Adjacency::face_of(h));
+      (orientation(t.a, t.b, t.c, eye) > 0 ? turned_to : turned_away) += 1;
+    }
+    if (turned_to > 0 && turned_away > 0) r.insert({edge.vertices[0], edge.vertices[1]});
+  }
+  return r;
+}
+
+// OpenMesh finds the faces of an edge by half-edges, and looks at them by the normals it makes in double.
+TEST(Adjacency, SilhouettesAgreeWithOpenMesh) {
+  for (const auto& [name, mesh] : generated_meshes()) {
+    SCOPED_TRACE(name);
+    const HalfEdgeMesh other = half_edge_mesh(mesh);
+    const Adjacency ours(mesh);
+    Pcg32 random(17);
+    std::size_t compared = 0, unclear = 0, seen = 0;
+    for (int i = 0; i < 12; ++i) {
+      // Around the mesh, and within its box.
+      const Vec3f eye = mesh.box().centre() + random_vec<float>(random) * (i % 2 == 0 ? 3.f : 0.3f);
+      const std::set<Ends> found = silhouette(mesh, ours, eye);
+      seen += found.size();
+      const HalfEdgeMesh::Point from(eye[0], eye[1], eye[2]);
+      const auto height = [&](HalfEdgeMesh::HalfedgeHandle h) {
+        const auto to_eye = from - other.point(other.to_vertex_handle(h));
+        return dot(other.calc_face_normal(other.face_handle(h)), to_eye) / to_eye.norm();
+      };
+      for (const auto e : other.edges()) {
+        if (e.is_boundary()) continue;
+        const double one = height(e.h0()), two = height(e.h1());
+        ++compared;
+        if (std::min(std::abs(one), std::abs(two)) < 1e-9) {
+          ++unclear;
+          continue;
+        }
+        const Ends ends =
+            std::minmax<std::uint32_t>({std::uint32_t(e.v0().idx()), std::uint32_t(e.v1().idx())});
+        ASSERT_EQ(found.contains(ends), (one > 0) != (two > 0)) << ends.first << " " << ends.second;
+      }
+      if (!ours.closed()) continue;
+      // Curves that end nowhere: an even number of edges at every vertex.
+      std::map<std::uint32_t, int> at;
+      for (const auto& [v, w] : found) ++at[v], ++at[w];
+      for (const auto& [v, n] : at) ASSERT_EQ(n % 2, 0) << v;
+    }
+    EXPECT_LT(unclear, compared / 1000);
+    EXPECT_GT(seen, 100u);
+  }
+}
+
+TEST(Adjacency, PseudonormalsAgreeWithOpenMesh) {
+  for (const auto& [name, mesh] : generated_meshes()) {
+    SCOPED_TRACE(name);
+    const HalfEdgeMesh other = half_edge_mesh(mesh);
+    const accel::PseudonormalTable<float> table(mesh);
+    const auto expect_same = [](const Vec3d& ours, const HalfEdgeMesh::Normal& sum) {
+      const HalfEdgeMesh::Normal n = sum / sum.norm();
+      ASSERT_LT(length(ours - Vec3d{n[0], n[1], n[2]}), 1e-9 / sum.norm());
+    };
+    for (std::uint32_t f = 0; f < mesh.size(); ++f)
+      for (int i = 0; i < 3; ++i) {
+        const auto at = other.vertex_handle(mesh.faces[f][i]),
+                   to = other.vertex_handle(mesh.faces[f][(i + 1) % 3]);
+        const auto edge = other.edge_handle(other.find_halfedge(at, to));
+        HalfEdgeMesh::Normal of_edge(0, 0, 0), of_vertex(0, 0, 0);
+        for (const unsigned side : {0u, 1u})
+          if (const auto face = other.face_handle(other.halfedge_handle(edge, side)); face.is_valid())
+            of_edge += other.calc_face_normal(face);
+        for (const auto in : other.vih_range(at))
+          if (!in.is_boundary()) of_vertex += other.calc_face_normal(in.face()) * other.calc_sector_angle(in);
+        expect_same(table.edge_normal(f, std::size_t(i)), of_edge);
+        expect_same(table.vertex_normal(f, std::size_t(i)), of_vertex);
+      }
+  }
+}
+
 // Closed formulas: a closed surface of genus g has V - E + F = 2 - 2g.
 TEST(Adjacency, EulerCharacteristic) {
   const auto euler = [](const Mesh3f& m) {
@@ -150,7 +255,28 @@ TEST(Adjacency, ThreeFacesOnOneEdge) {
   EXPECT_EQ(a.non_manifold_edges(), 1u);
   EXPECT_FALSE(a.closed());
   EXPECT_EQ(a.boundary_edges(), 6u);
+  EXPECT_EQ(a.odd_edges(), 7u);
+  EXPECT_EQ(a.boundary_loops(), 2u);
   EXPECT_EQ(a.half_edges_of(a.edges()[0]).size(), 3u);
+}
+
+// A copy of a face leaves its edges odd, and the mesh open, but gives it no border.
+TEST(Adjacency, CopiesOfFacesMakeNoLoops) {
+  for (const bool turned : {false, true}) {
+    Mesh3f mesh = octahedron<float>();
+    auto copy = mesh.faces[3];
+    if (turned) std::swap(copy[0], copy[1]);
+    mesh.faces.push_back(copy);
+    const Adjacency a(mesh);
+    EXPECT_FALSE(a.closed());
+    EXPECT_EQ(a.odd_edges(), 3u);
+    EXPECT_EQ(a.non_manifold_edges(), 3u);
+    EXPECT_EQ(a.boundary_edges(), 0u);
+    EXPECT_EQ(a.boundary_loops(), 0u);
+    // A hole elsewhere has the one loop there is.
+    mesh.faces.erase(mesh.faces.begin() + 6);
+    EXPECT_EQ(Adjacency(mesh).boundary_loops(), 1u);
+  }
 }
 
 TEST(Adjacency, FacesThatRepeatAVertexBoundNothing) {

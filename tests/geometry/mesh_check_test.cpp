@@ -133,6 +133,33 @@ TEST(MeshCheck, TwoTetrahedraThatTouchAtAVertexOrEdge) {
   EXPECT_EQ(crossings(edge).count, 0u);
 }
 
+TEST(Weld, UndoesASoupAndNothingElse) {
+  const Mesh3f mesh = sphere<float>(3);
+  const Welded<float> same = welded(mesh);
+  EXPECT_EQ(same.mesh.faces, mesh.faces);
+  EXPECT_EQ(same.joined + same.collapsed, 0u);
+  Mesh3f soup;
+  for (std::size_t f = 0; f < mesh.size(); ++f) {
+    const auto n = static_cast<std::uint32_t>(soup.vertices.size());
+    for (const std::uint32_t v : mesh.faces[f]) soup.vertices.push_back(mesh.vertices[v]);
+    soup.faces.push_back({n, n + 1, n + 2});
+  }
+  for (auto& p : soup.vertices)
+    if (p[0] == 0) p[0] = -0.0f;
+  const Welded<float> made = welded(soup);
+  EXPECT_EQ(made.mesh.vertices.size(), mesh.vertices.size());
+  EXPECT_EQ(made.joined, soup.vertices.size() - mesh.vertices.size());
+  EXPECT_TRUE(check_mesh(made.mesh).closed && check_mesh(made.mesh).oriented);
+  for (std::size_t f = 0; f < mesh.size(); ++f) EXPECT_EQ(made.mesh.triangle(f), mesh.triangle(f));
+  // Faces that end up with a corner twice go; what is not finite is equal to nothing.
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const Mesh3f odd{{{0, 0, 0}, {1, 0, 0}, {-0.0f, 0, 0}, {nan, 0, 0}, {nan, 0, 0}}, {{0, 1, 2}, {0, 1, 3}}};
+  EXPECT_EQ(welded(odd).collapsed, 1u);
+  EXPECT_EQ(welded(odd).joined, 1u);
+  EXPECT_EQ(welded(odd).mesh.faces, (std::vector<Mesh3f::Face>{{0, 1, 2}}));
+  EXPECT_THROW(welded(Mesh3f{{{0, 0, 0}}, {{0, 0, 9}}}), std::out_of_range);
+}
+
 TEST(SelfIntersections, AreThoseOfAllPairs) {
   Pcg32 random(5);
   Mesh3f soup;

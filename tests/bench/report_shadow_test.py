@@ -1,0 +1,135 @@
+"""The cards and claims of the task shadow, on rows made by hand."""
+
+import sys
+import unittest
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
+
+from bench.report import claims, model, shadows
+from report_made import made, read
+
+MAP = ("shadow_map", "map", "ours", "approximate")
+PCF = ("pcf", "map", "ours", "approximate")
+PCSS = ("pcss", "map", "ours", "approximate")
+VSM = ("vsm", "map", "ours", "approximate")
+MSM = ("msm", "map", "ours", "approximate")
+NONE = ("unshadowed", "brute", "ours", "approximate")
+RAYS = ("area_rays", "bvh", "ours", "stochastic")
+PASS = ("shadow_volumes_z_pass", "volume", "ours", "approximate")
+FAIL = ("shadow_volumes", "volume", "ours", "bounded")
+
+
+def row(method, dataset, query_set="image", error=0.1, build=None, query=None, ns=100.0, hard=False, **extra):
+    found = made(method, ns, error=error, dataset=dataset, query_set=query_set, build=build or {}, query=query or {})
+    found |= {"task": "shadow"} | {f"shadow_{k}": v for k, v in extra.items()}
+    return found | ({"block": f"hard/{dataset}"} if hard else {})
+
+
+def cards_of(*entries):
+    (task,) = model.task_models(read(*entries))
+    numbers = {id(r): i for i, r in enumerate(task.soft)}
+    return {card.title: card for card in shadows.cards(task, numbers, 460)}, task
+
+
+def verdict(name, *entries):
+    return next(v for v in claims.ledger(list(read(*entries))) if v.id == name)
+
+
+def values_of(chart):
+    """All data of a chart's layers."""
+    spec = chart.to_dict()
+    parts = [spec, *spec.get("layer", [])]
+    return [v for p in parts for v in p.get("data", {}).get("values", [])] + [
+        v for d in spec.get("datasets", {}).values() for v in d]  # fmt: skip
+
+
+class Cards(unittest.TestCase):
+    def test_the_line_is_what_our_rays_measured_or_what_theory_expects(self):
+        map_row = row(MAP, "slit", build={"resolution": 256}, penumbra=0.2, penumbra_share=0.5)
+        cards, _ = cards_of(map_row)
+        (figure,) = cards["Beside 16 rays a pixel"].figures
+        self.assertTrue(any(v.get("y") == shadows.SOBOL_AT_16 for v in values_of(figure.chart)))
+        self.assertAlmostEqual(shadows.SOBOL_AT_16, 0.0375, places=4)
+        rays = [row(RAYS, "slit", query=q, penumbra=p, penumbra_share=0.5)
+                for q, p in (({"rays": 16}, 0.04), ({"rays": 16, "pattern": "random"}, 0.01), ({"rays": 64}, 0.02))]  # fmt: skip
+        cards, _ = cards_of(map_row, *rays)
+        card = cards["Beside 16 rays a pixel"]
+        self.assertIn("16 rays: 0.04", str(values_of(card.figures[0].chart)))
+        self.assertIn("measured here", card.caption)
+
+    def test_hard_lights_have_no_penumbra(self):
+        cards, _ = cards_of(row(MAP, "two_stacked", penumbra=None, penumbra_share=0.0))
+        self.assertNotIn("Beside 16 rays a pixel", cards)
+
+    def test_theory_stands_beside_what_was_measured(self):
+        cards, task = cards_of(row(MAP, "shadow_tilted_plane_60_0", hard=True, figure="shadow_false_dark", figure_value=0.5,
+                                   false_dark=0.49), row(NONE, "slit"))  # fmt: skip
+        self.assertIn("What theory says", cards)
+        self.assertEqual([(f, i, s) for _, f, i, s in shadows.told(task.rows)], [("shadow_false_dark", 0.49, 0.5)])
+
+    def test_front_keeps_what_no_other_beats(self):
+        rows = [row(PCSS, "slit", error=e, ns=t, query={"taps": k}, penumbra=e)
+                for k, (t, e) in enumerate(((10, 0.3), (20, 0.4), (30, 0.1)))]  # fmt: skip
+        _, task = cards_of(*rows)
+        self.assertEqual([r.error for r in shadows.front(task.soft, lambda r: r.error)], [0.3, 0.1])
+
+
+class Claims(unittest.TestCase):
+    def test_acne(self):
+        def planes(flat, steep):
+            """Of each the false shadow and the bias in metres under a constant."""
+            out = []
+            for name, (dark, bias) in (("tilted_plane", flat), ("tilted_plane_85_0", steep)):
+                for query, false, metres in (({"bias": 0}, 0.5, 0.0), ({"constant": 0.005}, dark, bias), ({"bias": 1}, 0.0, 0.1)):
+                    out.append(row(MAP, name, query=query, build={"resolution": 1024}, false_dark=false, figure_bias=metres))
+            return out
+
+        v = verdict("H1", *planes((0.1, 0.01), (0.45, 0.02)))
+        self.assertEqual(v.word, claims.ONLY_IF)  # without bias the angle makes no difference
+        self.assertIn("under as much bias in metres", v.condition)
+        self.assertIn("leaves none", v.condition)
+        for flat, steep in (((0.1, 0.01), (0.1, 0.01)), ((0.1, 0.02), (0.45, 0.01))):  # as dark; under less bias
+            self.assertEqual(verdict("H1", *planes(flat, steep)).condition, "a bias by the slope's bound leaves none")
+
+    def test_contact(self):
+        def walls(gaps):
+            return [row(MAP, "wall_on_floor", "contact", build={"resolution": 1024}, query={"constant": c}, gap=g)
+                    for c, g in zip((0.0005, 0.005, 0.05), gaps)]  # fmt: skip
+
+        self.assertEqual(verdict("H2", *walls((0, 0.02, 0.3))).word, claims.HOLDS)
+        self.assertEqual(verdict("H2", *walls((0, 0, 0))).word, claims.FAILS)
+
+    def test_wider_filters(self):
+        steps = [row(PCF, "half_plane_edge", "edge", build={"resolution": 1024}, error=e, width=w,
+                     query={"radius": r, "smooth": True, "plane": True})
+                 for r, w, e in ((1, 0.01, 0.1), (4, 0.05, 0.02), (16, 0.2, 0.3))]  # fmt: skip
+        v = verdict("H6", *steps)
+        self.assertEqual((v.word, v.condition), (claims.ONLY_IF, "the wider the filter, the wider the penumbra"))
+
+    def test_leaks(self):
+        rows = [row(m, "shadow_two_stacked_0.5", "leak", build={"resolution": 1024, "radius": 2}, query=q, hard=True, max=leak)
+                for m, q, leak in ((VSM, {"cut": 0}, 0.25), (MSM, {"alpha": 3e-7}, 0.02))]  # fmt: skip
+        self.assertEqual(verdict("H10", *rows).word, claims.HOLDS)
+        rows[1]["shadow_max"] = 0.4
+        self.assertEqual(verdict("H10", *rows).word, claims.ONLY_IF)
+
+    def test_volumes(self):
+        rows = [row(m, "shadow_eye_inside_volume_0", hard=True, false_lit=lit, false_dark=0.0)
+                for m, lit in ((PASS, 0.9), (FAIL, 0.0))]  # fmt: skip
+        self.assertEqual(verdict("H11", *rows).word, claims.HOLDS)
+
+    def test_split(self):
+        rows = [row(NONE, f"shadow_sphere_over_floor_{s}", hard=True, split=e, penumbra_share=0.2)
+                for s, e in (("0.05", 1e-5), ("0.5", 5e-4), ("1.5", 5e-3))]  # fmt: skip
+        v = verdict("H13", *rows)
+        self.assertEqual(v.word, claims.ONLY_IF)
+        self.assertIn("diffuse surfaces alone", v.coverage)
+
+    def test_without_rows_nothing_is_run(self):
+        words = {v.id: v.word for v in claims.ledger(list(read(row(NONE, "half_plane_edge", penumbra_share=0.1))))}
+        self.assertEqual({words[f"H{k}"] for k in range(1, 14)}, {claims.NOT_RUN})
+
+
+if __name__ == "__main__":
+    unittest.main()

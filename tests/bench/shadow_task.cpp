@@ -1,0 +1,326 @@
+// The task shadow: what its judge says of methods whose faults are known, every method through its cells, and
+// the figures that theory gives.
+#include "bench/shadow/task.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "bench/shadow/closed_form.hpp"
+#include "bench/shadow/judge.hpp"
+#include "datasets_gen/scenes/scene.hpp"
+
+namespace treeline::bench::shadow {
+namespace {
+
+using Json = nlohmann::json;
+
+const ShadowTask& task() {
+  static const ShadowTask t;
+  return t;
+}
+RunContext smoke() { return {.profile = Profile::smoke, .seed = 1, .threads = 1, .truth_cache = ""}; }
+
+// ---- the judge
+// ---------------------------------------------------------------------------------------------
+
+TEST(ShadowJudge, KnownErrors) {
+  const std::vector<double> truth{0, 0, 0.5, 1};
+  const std::vector<float> all_lit{1, 1, 1, 1};
+  const Errors e = judged(all_lit, truth, 0.01);
+  EXPECT_NEAR(*e.error, std::sqrt(2.25 / 4), 1e-12);
+  EXPECT_NEAR(*e.mean, 2.5 / 4, 1e-12);
+  EXPECT_NEAR(*e.bias, 2.5 / 4, 1e-12);
+  EXPECT_EQ(*e.floor, 0.01);
+  EXPECT_EQ(e.extra["shadow_false_lit"], 0.75);
+  EXPECT_EQ(e.extra["shadow_false_dark"], 0);
+  EXPECT_EQ(e.extra["shadow_max"], 1);
+  EXPECT_EQ(e.extra["shadow_penumbra"], 0.5);  // of the one receiver between
+  EXPECT_EQ(e.extra["shadow_penumbra_share"], 0.25);
+  EXPECT_TRUE(e.within_claim);
+  EXPECT_FALSE(e.max || e.p99);  // no limits of the advice
+}
+
+TEST(ShadowJudge, WhatIsNoShareIsWrong) {
+  const std::vector<double> truth{0, 1};
+  for (const float bad : {std::nanf(""), -0.01f, 1.01f, INFINITY}) {
+    const std::vector<float> answers{bad, 1};
+    const Errors e = judged(answers, truth, 0);
+    EXPECT_FALSE(e.within_claim) << bad;
+    EXPECT_NE(e.reason.find("receiver 0"), std::string::npos);
+    EXPECT_NEAR(*e.error, std::sqrt(0.5), 1e-12);  // as bad as can be
+  }
+  EXPECT_TRUE(judged(std::vector<float>{-1e-6f, 1 + 1e-6f}, truth, 0).within_claim);
+}
+
+TEST(ShadowJudge, CrossingsAreBetweenReceivers) {
+  const std::vector<float> a{0, 0, 0.2f, 0.6f, 1};
+  EXPECT_NEAR(*crossing(a, 0.1), 1.5 / 4, 1e-6);
+  EXPECT_NEAR(*crossing(a, 0.9), 3.75 / 4, 1e-6);
+  EXPECT_EQ(crossing(std::vector<float>{0, 0.5f}, 0.9), std::nullopt);
+  EXPECT_EQ(*crossing(std::vector<float>{1, 1}, 0.5), 0);
+}
+
+// ---- blocks and faulty methods
+// -----------------------------------------------------------------------------
+
+enum class Fault { none, lit, one_wrong, near_border, late };
+const shading::Scene* first_scene = nullptr;  // the light that a late method goes on seeing
+
+double true_share(const shading::Light& light, const Receiver& r) {
+  static const auto known = datasets::known_shadows("half_plane_edge");
+  return visible_past(known.blockers, light, r.position);
+}
+
+template <Fault fault>
+class Faulty final : public ShadowSubject {
+ public:
+  explicit Faulty(const Input& input)
+      : light_(fault == Fault::late ? first_scene->light : input.scene.light) {}
+
+  void visibility(std::span<const Receiver> receivers, const Knobs&, int, std::span<float> out) override {
+    for (std::size_t i = 0; i < receivers.size(); ++i) {
+      Receiver r = receivers[i];
+      if (fault == Fault::near_border) r.position[0] += 2e-5;  // of a diagonal of some 11
+      out[i] = fault == Fault::lit ? 1 : static_cast<float>(true_share(light_, r));
+    }
+    if (fault == Fault::one_wrong) out[out.size() / 3] = 1 - out[out.size() / 3];
+  }
+
+ private:
+  shading::Light light_;
+};
+
+template <Fault fault>
+std::vector<Method> faulty(Claim claim) {
+  std::vector<Method> methods(1);
+  methods[0].info.name = "faulty", methods[0].info.claim = claim;
+  methods[0].build = [](const Input& input, const Knobs&) -> std::unique_ptr<ShadowSubject> {
+    return std::make_unique<Faulty<fault>>(input);
+  };
+  return methods;
+}
+
+/// Half a plane under a rectangle or, if hard, under a point.
+BlockInput half_plane(bool hard) {
+  BlockInput input;
+  input.scene = datasets::make_scene("half_plane_edge", 200, 1);
+  input.scene.camera.width = 48, input.scene.camera.height = 36;
+  if (hard) input.scene.light.kind = LightKind::point;
+  input.closed_form = true_share;
+  input.lines = datasets::known_shadows("half_plane_edge").lines;
+  input.frames = 4;
+  return input;
+}
+
+template <Fault fault>
+std::map<std::string, Errors> errors_of(bool hard, Claim claim) {
+  const auto methods = faulty<fault>(claim);
+  ShadowBlock block(methods, half_plane(hard));
+  first_scene = &block.scene();
+  const auto subject = block.build(0, Knobs::object(), 1);
+  std::map<std::string, Errors> out;
+  for (std::size_t q = 0; q < block.query_sets().size(); ++q) {
+    subject->prepare(q, 1);
+    subject->run(q, Knobs::object(), 1);
+    out[block.query_sets()[q].name] = block.check(0, *subject, q, Knobs::object());
+  }
+  return out;
+}
+
+TEST(ShadowBlock, TheTruthItselfHasNoError) {
+  for (const bool hard : {false, true}) {
+    const auto errors = errors_of<Fault::none>(hard, Claim::bounded);
+    ASSERT_EQ(errors.size(), 3u);
+    for (const auto& [set, e] : errors) {
+      EXPECT_LT(*e.error, 1e-7) << set;
+      EXPECT_TRUE(e.within_claim) << set << e.reason;
+    }
+    if (hard) continue;
+    // w = width height / (4 - height), of which 80 % lie between.
+    EXPECT_NEAR(errors.at("edge").extra["shadow_width_true"].get<double>(), 0.8 * 0.5 / 3, 0.02);
+    EXPECT_NEAR(errors.at("edge").extra["shadow_width_error"].get<double>(), 0, 1e-4);
+  }
+}
+
+TEST(ShadowBlock, NoShadowAtAllIsAsFarOffAsTheShadowIs) {
+  const auto errors = errors_of<Fault::lit>(false, Claim::approximate);
+  const Errors& e = errors.at("image");
+  EXPECT_TRUE(e.within_claim);
+  EXPECT_GT(*e.error, 0.3);
+  EXPECT_NEAR(*e.bias, *e.mean, 1e-12);
+  EXPECT_EQ(e.extra["shadow_false_dark"], 0);
+  EXPECT_EQ(errors.at("edge").extra["shadow_width"], 0);
+}
+
+TEST(ShadowBlock, AWrongHardShadowIsWrongOnlyAwayFromItsBorder) {
+  EXPECT_FALSE(errors_of<Fault::one_wrong>(true, Claim::bounded).at("image").within_claim);
+  EXPECT_FALSE(errors_of<Fault::one_wrong>(true, Claim::exact).at("edge").within_claim);
+  EXPECT_TRUE(errors_of<Fault::one_wrong>(true, Claim::approximate).at("image").within_claim);
+  for (const auto& [set, e] : errors_of<Fault::near_border>(true, Claim::bounded))
+    EXPECT_TRUE(e.within_claim) << set << ": " << e.reason;
+}
+
+TEST(ShadowBlock, AShadowThatStaysWhileTheLightMovesCrawls) {
+  EXPECT_GT(*errors_of<Fault::late>(false, Claim::approximate).at("motion").error, 1e-5);
+  EXPECT_LT(*errors_of<Fault::none>(false, Claim::approximate).at("motion").error, 1e-7);
+}
+
+TEST(ShadowBlock, AFrameMovesTheLightByATenthOfATexel) {
+  shading::Scene scene = datasets::make_scene("half_plane_edge", 200, 1);
+  const auto box = scene.mesh.box();
+  const auto view = shading::shadow::fit_view(scene.light, {Vec3d(box.low), Vec3d(box.high)});
+  const double texel = view.texel_width(1024, 0.5 * (view.near + view.far));
+  EXPECT_NEAR(distance(moved(scene, 1).position, scene.light.position), 0.1 * texel, 1e-9);
+  scene.light.kind = LightKind::directional;
+  const double turn = distance(moved(scene, 1).direction, scene.light.direction);
+  EXPECT_GT(turn, 0);
+  EXPECT_LT(turn, 1e-3);
+}
+
+// ---- the task
+// ----------------------------------------------------------------------------------------------
+
+TEST(ShadowTask, HardCasesOpenAndTheirClosedFormsAgreeWithRays) {
+  for (const datasets::HardShadow& c : datasets::hard_shadows()) {
+    SCOPED_TRACE(c.name);
+    EXPECT_FALSE(c.source.empty() || c.law.empty());
+    const auto block = task().open({c.name, 0, true}, smoke());
+    auto& mine = dynamic_cast<ShadowBlock&>(*block);
+    EXPECT_GT(mine.image().list.size(), 100u);
+    if (!mine.truth(0).closed_form) continue;
+    const Tree tree(c.scene.mesh);
+    TruthOptions options;
+    options.most = 128;
+    const Receivers& seen = mine.image();
+    const Truth traced = traced_truth(c.scene, tree, seen.list, seen.pixel, seen.width, options, 1);
+    double sum = 0;
+    for (std::size_t i = 0; i < seen.list.size(); ++i) {
+      const double off = traced.visibility[i] - mine.truth(0).visibility[i];
+      sum += off * off;
+    }
+    EXPECT_LT(std::sqrt(sum / double(seen.list.size())), 1.5 * traced.halves + 1e-6);
+  }
+  EXPECT_THROW(task().open({"no_such_case", 0, true}, smoke()), std::invalid_argument);
+}
+
+TEST(ShadowTask, LinesLieWhereTheySay) {
+  for (const datasets::HardShadow& c : datasets::hard_shadows()) {
+    if (c.known.lines.empty()) continue;
+    SCOPED_TRACE(c.name);
+    const auto block = task().open({c.name, 0, true}, smoke());
+    auto& mine = dynamic_cast<ShadowBlock&>(*block);
+    for (std::size_t q = 1; q < mine.query_sets().size(); ++q) {
+      const std::string& set = mine.query_sets()[q].name;
+      const auto& v = mine.truth(q).visibility;
+      if (set == "edge") {
+        EXPECT_LT(v.front(), 0.01);
+        EXPECT_GT(v.back(), 0.99);
+        EXPECT_TRUE(std::ranges::is_sorted(v));
+      } else if (set != "motion") {
+        EXPECT_EQ(*std::ranges::max_element(v), 0) << set;  // contact and leak: all in full shadow
+      }
+    }
+  }
+}
+
+/// Rows of the program; each must be JSON.
+std::vector<Json> rows_of(const std::string& arguments, int expected = 0) {
+  const auto folder = std::filesystem::temp_directory_path() / "treeline_shadow_program";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  const std::string rows = (folder / "rows").string();
+  const std::string command =
+      std::string(SHADOW_TEST_PROGRAM) + " " + arguments + " --cache '' --rows " + rows + " >/dev/null 2>&1";
+  // An empty --cache is no cache.
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), expected) << arguments;
+  std::vector<Json> out;
+  std::ifstream in(rows);
+  for (std::string line; std::getline(in, line);) out.push_back(Json::parse(line));
+  std::filesystem::remove_all(folder);
+  return out;
+}
+int status_of(const std::string& arguments) {
+  return WEXITSTATUS(
+      std::system((std::string(SHADOW_TEST_PROGRAM) + " " + arguments + " >/dev/null 2>&1").c_str()));
+}
+
+TEST(ShadowProgram, SmokeProfileEndsWell) {
+  const auto rows = rows_of("--profile smoke");
+  std::set<std::string> methods, sets;
+  for (const Json& row : rows) {
+    methods.insert(row["method"]), sets.insert(row["query_set"]);
+    EXPECT_TRUE(row["status"] == "ok" || row["status"] == "unsupported" || row["status"] == "not_built")
+        << row;
+  }
+  EXPECT_EQ(methods.size(), task().methods().size() + task().not_built().size());
+  EXPECT_EQ(sets, (std::set<std::string>{"image", "edge", "motion"}));
+}
+
+TEST(ShadowProgram, FiguresOfTheory) {
+  std::size_t acne = 0, gaps = 0, leaks = 0;
+  const auto rows = rows_of(
+      "--stress --dataset shadow_tilted_plane_60_0 --dataset shadow_tilted_plane_85_0 "
+      "--dataset shadow_tilted_plane_60_45 --dataset shadow_wall_on_floor_0.01 --dataset "
+      "shadow_two_stacked_1 "
+      "--dataset shadow_two_stacked_0.5 --dataset shadow_two_stacked_0.1 "
+      "--benchmark_filter='/(shadow_map|vsm)/'");
+  for (const Json& row : rows) {
+    if (!row.contains("shadow_figure")) continue;
+    const std::string field = row["shadow_figure"];
+    const double is = row[field].get<double>(), should = row["shadow_figure_value"].get<double>();
+    const bool is_acne = field == "shadow_false_dark", is_gap = field == "shadow_gap";
+    acne += is_acne, gaps += is_gap, leaks += field == "shadow_max";
+    EXPECT_NEAR(is, should, is_acne || is_gap ? 0.02 : 0.1 * should) << row;
+  }
+  EXPECT_GE(acne, 9u);
+  EXPECT_GE(gaps, 1u);
+  EXPECT_GE(leaks, 3u);
+}
+
+TEST(ShadowProgram, LightsThatAreNoneAreRefused) {
+  for (const char* light :
+       {"sun", "''", "directional", "directional:0,0,0", "directional:0,-1", "directional:0,-1,nan",
+        "point:1,2", "disc:0,5,0:0,-1,0:-1", "spot:0,5,0:0,-1,0:400", "point:1,2,3:4"})
+    EXPECT_EQ(status_of("--profile smoke --light " + std::string(light)), 2) << light;
+  // A light that no map can hold is the scene's refusal, by name.
+  EXPECT_EQ(status_of("--profile smoke --light point:0,-50,0"), 2);  // nothing that the camera sees is lit
+  EXPECT_EQ(status_of("--profile smoke --light directional:0.2,-1,0.1:1 --benchmark_filter=/unshadowed/"), 0);
+}
+
+TEST(ShadowProgram, ScenesTakeKnobs) {
+  const std::string one = " --benchmark_filter=/unshadowed/";
+  EXPECT_EQ(status_of("--profile smoke --dataset two_stacked_0.1:200" + one), 0);
+  for (const char* bad : {"two_stacked_99", "two_stacked_0.1_5", "two_stacked_x", "icosphere", "two_stack"})
+    EXPECT_EQ(status_of("--profile smoke --dataset " + std::string(bad) + one), 2) << bad;
+}
+
+TEST(ShadowProgram, InputIsAMeshOfAnyKind) {
+  const auto folder = std::filesystem::temp_directory_path() / "treeline_shadow_input";
+  std::filesystem::create_directories(folder);
+  const auto write = [&](const char* name, const std::string& text) {
+    std::ofstream(folder / name) << text;
+    return (folder / name).string();
+  };
+  const std::string tent = write("half_plane_edge.obj",
+                                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n");
+  const auto rows =
+      rows_of("--profile smoke --input " + tent + " --benchmark_filter='/(unshadowed|centre_ray)/'");
+  EXPECT_EQ(rows.size(), 2u);  // a file's name says nothing of what is known of its shadows
+  EXPECT_EQ(status_of("--profile smoke --input " + write("empty.obj", "v 0 0 0\n")), 2);
+  EXPECT_EQ(
+      status_of("--profile smoke --input " + write("none.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")), 2);
+  EXPECT_EQ(status_of("--profile smoke --input " + write("cloud.xyz", "0 0 0\n1 1 1\n")), 2);
+  EXPECT_EQ(status_of("--profile smoke --input /nowhere.ply"), 2);
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace treeline::bench::shadow
