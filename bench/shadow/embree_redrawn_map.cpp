@@ -77,9 +77,10 @@ DepthMap cast(const ray::EmbreeScene& scene, const LightView& view, int side, in
               .source = Source::peer,
               .claim = Claim::approximate,
               .peer_version = ray::embree_version(),
-              .build_knobs = {{{"quality", "high"}}, {{"quality", "medium"}}},
+              .build_knobs = {Knobs{{"quality", "high"}}, Knobs{{"quality", "medium"}}},
               .query_knobs = redrawn_resolutions(),
               .ladder = 2,
+              .quick_builds = 1,
               .scales = false},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<ShadowSubject> {
        auto scene = std::make_unique<ray::EmbreeScene>(input.scene.mesh, knobs, input.threads);

@@ -30,6 +30,6 @@ std::unique_ptr<ShadowSubject> redrawn(const Input& input, Draw draw) {
 }
 
 /// Texels along a side.
-inline std::vector<Knobs> redrawn_resolutions() { return {{{"resolution", 1024}}, {{"resolution", 4096}}}; }
+inline std::vector<Knobs> redrawn_resolutions() { return {Knobs{{"resolution", 1024}}}; }
 
 }  // namespace treeline::bench::shadow

@@ -21,15 +21,16 @@ std::unique_ptr<ShadowSubject> build(const Input& input, const Knobs& knobs) {
   });
 }
 
-[[maybe_unused]] const bool registered =
-    Registry<Method>::instance().add({.info = {.name = "redrawn_map",
-                                               .family = "map",
-                                               .claim = Claim::approximate,
-                                               .build_knobs = {{{"drawn", "raster"}}, {{"drawn", "rays"}}},
-                                               .query_knobs = redrawn_resolutions(),
-                                               .ladder = 2,
-                                               .scales = false},
-                                      .build = build});
+[[maybe_unused]] const bool registered = Registry<Method>::instance().add(
+    {.info = {.name = "redrawn_map",
+              .family = "map",
+              .claim = Claim::approximate,
+              .build_knobs = {Knobs{{"drawn", "raster"}}, Knobs{{"drawn", "rays"}}},
+              .query_knobs = redrawn_resolutions(),
+              .ladder = 2,
+              .quick_builds = 1,
+              .scales = false},
+     .build = build});
 
 }  // namespace
 }  // namespace treeline::bench::shadow
