@@ -1,7 +1,7 @@
 // One pyramid, looked up with ever more texels: a square, a square of a better level, a grid of probes,
 // probes along the longer axis.
 #include "bench/region_average/own_averager.hpp"
-#include "shading/texture/probes.hpp"
+#include "shading/texture/anisotropic.hpp"
 
 namespace treeline::bench::region_average {
 namespace {

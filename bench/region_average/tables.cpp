@@ -15,8 +15,7 @@ namespace tolerance = geometry::tolerance;
 
 template <class T>
 double of_sums(const TextureFacts& f, double entries) {
-  return tolerance::table_slack<double> / tolerance::unit_roundoff<double> *
-         double(tolerance::unit_roundoff<T>) * f.rows_and_columns * f.absolute_sum * entries;
+  return double(tolerance::table_slack<T>) * f.rows_and_columns * f.absolute_sum * entries;
 }
 /// Values less a constant: their sums are twice that at most, and each is rounded once.
 double of_centred(const TextureFacts& f, double entries) {

@@ -3,16 +3,24 @@
 // Problem: what a light sees first (and next) through the centre of each texel of its map.
 // Source: Williams 1978 (shadow maps); Pineda 1988 (edge functions); tiles and registers of triangles as in
 // Abrash 2009, Rasterization on Larrabee.
-// Cost: a pass over the vertices, one over the faces to sort them by tile, and one over those that cover a
-// texel's centre; 16 bytes a vertex, 12 a face that is kept, 4 a texel and layer. Accuracy: corners are
-// rounded to 1/256 of a texel to decide what is covered, so that a texel whose centre is nearer than that to
-// an edge may go to the other side of it; all that shares a corner rounds it alike, and of triangles that
-// share an edge exactly one covers a centre on it: closed surfaces have no holes. Depth is that of the
-// triangle's plane at the centre, off by a few roundings of float, and kept within the depths of its corners.
+//
+// Cost: a pass over the vertices and one over the faces; 16 bytes a vertex, 4 a texel and layer. Several
+// threads first sort the faces by tile, for 12 bytes a pair of a face and a tile, so that no two draw into
+// the same one.
+//
+// Accuracy: corners are rounded to 1/256 of a texel to decide what is covered, so that a texel whose centre
+// is nearer than that to an edge may go to the other side of it; all that shares a corner rounds it alike,
+// and of triangles that share an edge exactly one covers a centre on it: closed surfaces have no holes.
+// Depth is that of the triangle's plane at the centre, off by a few roundings of float, and kept within the
+// depths of its corners.
+//
 // Known weakness: what covers no texel's centre is not there, as in every map of samples.
 #pragma once
 
+#include <memory>
+
 #include "accel/batch.hpp"
+#include "shading/raster/bins.hpp"
 #include "shading/raster/tile.hpp"
 #include "shading/shadow/depth_map.hpp"
 
@@ -28,7 +36,7 @@ struct DepthOptions {
 struct DepthWork {
   std::size_t broken = 0;      ///< left out, with a corner that is not finite
   std::size_t clipped = 0;     ///< in front of the near plane, or far beside the map, in part or whole
-  std::size_t references = 0;  ///< pairs of a face and a tile that it may cover
+  std::size_t references = 0;  ///< of several threads: pairs of a face and a tile that it may cover
 };
 
 /// Calls f(i) for each i below n.
@@ -61,11 +69,15 @@ namespace detail {
 /// Draws faces with corners that need no clipping; the numbers of the others are added to `hard`.
 inline void draw_faces(const Frame& frame, const Target& target, const Corners& corners,
                        const DepthOptions& options, std::vector<std::uint32_t>& hard, DepthWork& work) {
+  if (options.threads == 1) {
+    const auto draw = target.second ? (frame.perspective ? draw_map<true, true> : draw_map<false, true>)
+                                    : (frame.perspective ? draw_map<true, false> : draw_map<false, false>);
+    return draw(target, {0, 0, frame.width - 1, frame.height - 1}, corners, options.facing, hard);
+  }
   const Tiles tiles(frame.width, frame.height);
   const std::size_t n = corners.faces.size();
   // Enough for all threads; each with room for so many references at a time.
-  const std::size_t runs =
-      options.threads == 1 ? 1 : std::min<std::size_t>(4 * std::size_t(options.threads), n / 4096 + 1);
+  const std::size_t runs = std::min<std::size_t>(4 * std::size_t(options.threads), n / 4096 + 1);
   const std::size_t most = std::max<std::size_t>(std::size_t(1) << 22, tiles.count()) / runs;
   std::vector<Bin> bins(runs);
   std::vector<std::size_t> next(runs);
@@ -80,8 +92,8 @@ inline void draw_faces(const Frame& frame, const Target& target, const Corners& 
     });
     each(tiles.count(), options.threads, [&](std::size_t tile) {
       const int x = int(tile) % tiles.columns * tile_side, y = int(tile) / tiles.columns * tile_side;
-      const TileBounds bounds{x, y, std::min(x + tile_side, frame.width) - 1,
-                              std::min(y + tile_side, frame.height) - 1};
+      const TexelBox bounds{x, y, std::min(x + tile_side, frame.width) - 1,
+                            std::min(y + tile_side, frame.height) - 1};
       for (const Bin& bin : bins) draw(target, bounds, corners, bin.of_tile(tile), options.facing);
     });
     more = false;
@@ -111,9 +123,11 @@ inline shadow::DepthMap rasterise_depth(const geometry::Mesh3f& mesh, const shad
   map.first.assign(texels, 1.0f), target.first = map.first.data();
   if (options.layers == 2) map.second.assign(texels, 1.0f), target.second = map.second.data();
 
-  std::vector<Vertex> vertices(mesh.vertices.size());
+  // Not filled before it is written.
+  const auto placed = std::make_unique_for_overwrite<Vertex[]>(mesh.vertices.size());
+  const std::span<const Vertex> vertices(placed.get(), mesh.vertices.size());
   accel::parallel_ranges(vertices.size(), options.threads, [&](std::size_t begin, std::size_t end) {
-    place_vertices(frame, std::span(mesh.vertices).subspan(begin, end - begin), vertices.data() + begin);
+    place_vertices(frame, std::span(mesh.vertices).subspan(begin, end - begin), placed.get() + begin);
   });
   DepthWork done;
   std::vector<std::uint32_t> hard;

@@ -64,17 +64,59 @@ inline std::uint32_t negative(Ints a) {
 #endif
 }
 
-/// base[index] of each lane.
-inline Ints gathered(const std::int32_t* base, Ints index) {
 #if TREELINE_SIMD == 512
-  return (Ints)_mm512_mask_i32gather_epi32(_mm512_setzero_si512(), __mmask16(0xffff), (__m512i)index, base,
-                                           4);
+inline Ints unpacked_low(Ints a, Ints b) {
+  return (Ints)_mm512_maskz_unpacklo_epi32(0xffff, (__m512i)a, (__m512i)b);
+}
+inline Ints unpacked_high(Ints a, Ints b) {
+  return (Ints)_mm512_maskz_unpackhi_epi32(0xffff, (__m512i)a, (__m512i)b);
+}
+inline Ints unpacked_low2(Ints a, Ints b) {
+  return (Ints)_mm512_maskz_unpacklo_epi64(0xff, (__m512i)a, (__m512i)b);
+}
+inline Ints unpacked_high2(Ints a, Ints b) {
+  return (Ints)_mm512_maskz_unpackhi_epi64(0xff, (__m512i)a, (__m512i)b);
+}
+inline Ints from_quarters(__m128i a, __m128i b, __m128i c, __m128i d) {
+  const __m512i low = _mm512_maskz_inserti32x4(0xffff, _mm512_castsi128_si512(a), b, 1);
+  return (Ints)_mm512_maskz_inserti32x4(0xffff, _mm512_maskz_inserti32x4(0xffff, low, c, 2), d, 3);
+}
 #elif TREELINE_SIMD == 256
-  return (Ints)_mm256_i32gather_epi32(base, (__m256i)index, 4);
+inline Ints unpacked_low(Ints a, Ints b) { return (Ints)_mm256_unpacklo_epi32((__m256i)a, (__m256i)b); }
+inline Ints unpacked_high(Ints a, Ints b) { return (Ints)_mm256_unpackhi_epi32((__m256i)a, (__m256i)b); }
+inline Ints unpacked_low2(Ints a, Ints b) { return (Ints)_mm256_unpacklo_epi64((__m256i)a, (__m256i)b); }
+inline Ints unpacked_high2(Ints a, Ints b) { return (Ints)_mm256_unpackhi_epi64((__m256i)a, (__m256i)b); }
+#elif TREELINE_SIMD == 128
+inline Ints unpacked_low(Ints a, Ints b) { return (Ints)_mm_unpacklo_epi32((__m128i)a, (__m128i)b); }
+inline Ints unpacked_high(Ints a, Ints b) { return (Ints)_mm_unpackhi_epi32((__m128i)a, (__m128i)b); }
+inline Ints unpacked_low2(Ints a, Ints b) { return (Ints)_mm_unpacklo_epi64((__m128i)a, (__m128i)b); }
+inline Ints unpacked_high2(Ints a, Ints b) { return (Ints)_mm_unpackhi_epi64((__m128i)a, (__m128i)b); }
+#endif
+
+/// Records of four numbers, one a lane, as four registers: out[k] holds the k-th number of each.
+inline void load_records(const std::int32_t* const (&record)[lanes], Ints (&out)[4]) {
+#if TREELINE_SIMD == 0
+  for (int i = 0; i < lanes; ++i)
+    for (int k = 0; k < 4; ++k) out[k][i] = record[i][k];
 #else
-  Ints r{};
-  for (int i = 0; i < lanes; ++i) r[i] = base[index[i]];
-  return r;
+  // Records j, j + 4, j + 8 … in the j-th register; then each quarter is a matrix of 4 × 4 to be transposed.
+  Ints row[4];
+  for (int j = 0; j < 4; ++j) {
+    const auto part = [&](int k) {
+      return _mm_loadu_si128(reinterpret_cast<const __m128i*>(record[4 * k + j]));
+    };
+#if TREELINE_SIMD == 512
+    row[j] = from_quarters(part(0), part(1), part(2), part(3));
+#elif TREELINE_SIMD == 256
+    row[j] = (Ints)_mm256_inserti128_si256(_mm256_castsi128_si256(part(0)), part(1), 1);
+#else
+    row[j] = (Ints)part(0);
+#endif
+  }
+  const Ints low01 = unpacked_low(row[0], row[1]), low23 = unpacked_low(row[2], row[3]),
+             high01 = unpacked_high(row[0], row[1]), high23 = unpacked_high(row[2], row[3]);
+  out[0] = unpacked_low2(low01, low23), out[1] = unpacked_high2(low01, low23);
+  out[2] = unpacked_low2(high01, high23), out[3] = unpacked_high2(high01, high23);
 #endif
 }
 

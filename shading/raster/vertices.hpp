@@ -51,48 +51,53 @@ struct Frame {
         height(rows) {}
 };
 
-/// A double whose last 32 bits are its argument, |a| < 2^31, rounded to even.
+/// A double whose last 32 bits, after it was added to |a| < 2^31, are a rounded to even.
 inline constexpr double round_to_fixed = 0x1.8p52;
 
 /// Eight corners at a time, in double.
-inline void place_vertices(const Frame& frame, std::span<const Vec3f> points, Vertex* out) {
+inline void place_eight(const Frame& frame, const Vec3f* points, Vertex* out) {
   using L = accel::simd::Lanes<double>;
   const auto all = [](double a) { return L::broadcast(a); };
-  const L one = all(1), zero = all(0), round = all(round_to_fixed);
-  for (std::size_t i = 0; i < points.size(); i += 8) {
-    const std::size_t count = std::min<std::size_t>(8, points.size() - i);
-    double p[3][8];
-    for (std::size_t k = 0; k < 8; ++k) {
-      const Vec3f& point = points[i + std::min(k, count - 1)];
-      for (int a = 0; a < 3; ++a) p[a][k] = double(point[a]);
-    }
-    L d[3];
-    for (int a = 0; a < 3; ++a) d[a] = L::load(p[a]) - all(frame.origin[a]);
-    const auto along = [&](const Vec3d& axis) {
-      return (d[0] * all(axis[0]) + d[1] * all(axis[1])) + d[2] * all(axis[2]);
-    };
-    const L z = along(frame.z), depth = (z - all(frame.near)) * all(frame.inverse_range);
-    L x = along(frame.x), y = along(frame.y), numerator = depth, denominator = one;
-    if (frame.perspective) {
-      const L inverse = one / z;
-      x = x * inverse, y = y * inverse;
-      denominator = all(frame.near) * inverse, numerator = depth * denominator;
-    }
-    x = x + all(frame.centre_x), y = y + all(frame.centre_y);
-    const std::uint32_t good = ((all(guard_low) <= x) & (x <= all(guard_high)) & (all(guard_low) <= y) &
-                                (y <= all(guard_high)) & (zero <= depth) & (zero < denominator))
-                                   .bits();
-    double fixed[2][8], share[2][8];
-    (x + round).store(fixed[0]), (y + round).store(fixed[1]);
-    numerator.store(share[0]), denominator.store(share[1]);
-    for (std::size_t k = 0; k < count; ++k) {
-      std::int64_t bits[2];
-      std::memcpy(&bits[0], &fixed[0][k], 8), std::memcpy(&bits[1], &fixed[1][k], 8);
-      const bool inside = good >> k & 1;
-      out[i + k] = {inside ? std::int32_t(bits[0]) : Vertex::outside, inside ? std::int32_t(bits[1]) : 0,
-                    float(share[0][k]), float(share[1][k])};
-    }
+  const L one = all(1), zero = all(0);
+  L d[3];
+  for (int a = 0; a < 3; ++a) {
+    double p[8];
+    for (int k = 0; k < 8; ++k) p[k] = double(points[k][a]);
+    d[a] = L::load(p) - all(frame.origin[a]);
   }
+  const auto along = [&](const Vec3d& axis) {
+    return (d[0] * all(axis[0]) + d[1] * all(axis[1])) + d[2] * all(axis[2]);
+  };
+  const L z = along(frame.z), depth = (z - all(frame.near)) * all(frame.inverse_range);
+  L x = along(frame.x), y = along(frame.y), numerator = depth, denominator = one;
+  if (frame.perspective) {
+    const L inverse = one / z;
+    x = x * inverse, y = y * inverse;
+    denominator = all(frame.near) * inverse, numerator = depth * denominator;
+  }
+  x = x + all(frame.centre_x), y = y + all(frame.centre_y);
+  const L::Mask good = (all(guard_low) <= x) & (x <= all(guard_high)) & (all(guard_low) <= y) &
+                       (y <= all(guard_high)) & (zero <= depth) & (zero < denominator);
+  const L round = all(round_to_fixed), outside = all(round_to_fixed + Vertex::outside);
+  std::int64_t fixed_x[8], fixed_y[8];
+  double numerators[8], denominators[8];
+  const L rounded_x = chosen(good, x + round, outside), rounded_y = chosen(good, y + round, outside);
+  std::memcpy(fixed_x, &rounded_x, sizeof fixed_x), std::memcpy(fixed_y, &rounded_y, sizeof fixed_y);
+  numerator.store(numerators), denominator.store(denominators);
+  for (int k = 0; k < 8; ++k)
+    out[k] = {std::int32_t(fixed_x[k]), std::int32_t(fixed_y[k]), float(numerators[k]),
+              float(denominators[k])};
+}
+
+inline void place_vertices(const Frame& frame, std::span<const Vec3f> points, Vertex* out) {
+  std::size_t i = 0;
+  for (; i + 8 <= points.size(); i += 8) place_eight(frame, points.data() + i, out + i);
+  if (i == points.size()) return;
+  Vec3f last[8];
+  Vertex placed[8];
+  for (std::size_t k = 0; k < 8; ++k) last[k] = points[std::min(i + k, points.size() - 1)];
+  place_eight(frame, last, placed);
+  std::copy_n(placed, points.size() - i, out + i);
 }
 
 }  // namespace treeline::shading::raster

@@ -63,55 +63,79 @@ inline void check(const Bias& b) {
   check_knob("bias.normal_offset", b.normal_offset, 0, 1e6);
 }
 
-/// `reach`: how far, in texels along an axis, the centre of a texel may be that the point is compared with.
-inline MapPoint locate(const LightView& view, int width, int height, const Receiver& receiver,
-                       const Bias& bias, double reach) {
-  MapPoint m;
-  Vec3d p = receiver.position;
-  if (bias.normal_offset > 0) {
-    const Vec3d to_light = view.perspective ? view.origin - p : -view.forward;
-    const double cosine = dot(receiver.normal, to_light) / length(to_light);
-    const double z = dot(p - view.origin, view.forward);
-    const double s = std::max(view.texel_width(width, z), view.texel_height(height, z));
-    p += receiver.normal * (bias.normal_offset * s * std::sqrt(std::max(0.0, 1 - cosine * cosine)));
+/// A map's view and a bias, with all divided beforehand that does not depend on the receiver.
+class MapFrame {
+ public:
+  /// Throws InvalidScene for a bias that is none.
+  MapFrame(const LightView& view, int width, int height, const Bias& bias)
+      : view_(view),
+        bias_(bias),
+        width_(width),
+        height_(height),
+        texel_x_(2 * view.half_width / width),
+        texel_y_(2 * view.half_height / height),
+        range_(view.far - view.near),
+        per_range_(1 / range_),
+        across_(view.right * (1 / texel_x_)),
+        along_(view.down * (1 / texel_y_)) {
+    check(bias);
   }
-  const LightView::Place q = view.place(p);
-  // So written that NaN is outside.
-  if (!(q.x >= 0 && q.x < 1 && q.y >= 0 && q.y < 1 && q.depth >= 0 && q.depth <= 1)) return m;
-  m.inside = true;
-  const double x = q.x * width, y = q.y * height;
-  m.x = std::min(int(x), width - 1), m.y = std::min(int(y), height - 1);
-  m.fx = float(x - m.x), m.fy = float(y - m.y), m.depth = float(q.depth);
+  MapFrame(const DepthMap& map, const Bias& bias) : MapFrame(map.view, map.width, map.height, bias) {}
 
-  const double range = view.far - view.near, z = view.near + q.depth * range;
-  const double across = dot(receiver.normal, view.right), along = dot(receiver.normal, view.down);
-  // Along the plane, n · p is fixed: what moves sideways must move in depth. Seen in perspective, sideways
-  // is along the ray through the point's neighbour, and the normal's part is that along the ray.
-  double facing = dot(receiver.normal, view.forward);
-  if (view.perspective) facing = dot(receiver.normal, p - view.origin) / z;
-  constexpr double edge_on = 1e-9;  // the slope is then beyond any depth range
-  if (std::abs(facing) < edge_on) facing = facing < 0 ? -edge_on : edge_on;
-  const double sx = -across / facing * view.texel_width(width, z) / range;
-  const double sy = -along / facing * view.texel_height(height, z) / range;
-  m.slope_x = float(sx), m.slope_y = float(sy);
+  /// `reach`: how far, in texels along an axis, the centre of a texel may be that the point is compared with.
+  MapPoint locate(const Receiver& receiver, double reach) const {
+    MapPoint m;
+    Vec3d d = receiver.position - view_.origin;
+    if (bias_.normal_offset > 0) d += offset(receiver.normal, d);
+    const double z = dot(d, view_.forward), scale = view_.perspective ? z : 1, per_scale = 1 / scale;
+    const double x = 0.5 * width_ + dot(d, across_) * per_scale,
+                 y = 0.5 * height_ + dot(d, along_) * per_scale;
+    const double depth = (z - view_.near) * per_range_;
+    // So written that NaN is outside.
+    if (!(x >= 0 && x < width_ && y >= 0 && y < height_ && depth >= 0 && depth <= 1)) return m;
+    m.inside = true;
+    m.x = int(x), m.y = int(y);
+    m.fx = float(x - m.x), m.fy = float(y - m.y), m.depth = float(depth);
 
-  const double steepness = std::abs(sx) + std::abs(sy);
-  double sum = bias.constant;
-  if (bias.receiver_plane) {
-    const double unit = view.perspective ? z / range : 1;
-    m.px = float(-sx / unit), m.py = float(-sy / unit);
-    if (view.perspective) m.scaled = 1, m.fixed = float(view.near / range);
-  } else {
-    sum += std::min(bias.most, bias.slope * reach * steepness);
+    // Along the plane, n · d is fixed: what moves sideways must move in depth. Seen in perspective, sideways
+    // is along the ray through the point's neighbour, and the normal's part is that along the ray.
+    double facing =
+        view_.perspective ? dot(receiver.normal, d) * per_scale : dot(receiver.normal, view_.forward);
+    constexpr double edge_on = 1e-9;  // the slope is then beyond any depth range
+    if (std::abs(facing) < edge_on) facing = facing < 0 ? -edge_on : edge_on;
+    const double rise = -scale * per_range_ / facing;
+    const double sx = dot(receiver.normal, across_) * (texel_x_ * texel_x_ * rise);
+    const double sy = dot(receiver.normal, along_) * (texel_y_ * texel_y_ * rise);
+    m.slope_x = float(sx), m.slope_y = float(sy);
+
+    const double steepness = std::abs(sx) + std::abs(sy);
+    double sum = bias_.constant;
+    if (bias_.receiver_plane) {
+      const double unit = view_.perspective ? range_ * per_scale : 1;
+      m.px = float(-sx * unit), m.py = float(-sy * unit);
+      if (view_.perspective) m.scaled = 1, m.fixed = float(view_.near * per_range_);
+    } else {
+      sum += std::min(bias_.most, bias_.slope * reach * steepness);
+    }
+    constexpr double steepest = 1e6;  // depth ranges a texel: beyond, a slack for rounding has no meaning
+    sum += geometry::tolerance::shadow_depth_slack * (1 + reach * std::min(steepness, steepest));
+    m.limit = float(depth - sum);
+    return m;
   }
-  sum += geometry::tolerance::shadow_depth_slack * (1 + reach * std::min(steepness, 1e6));
-  m.limit = float(q.depth - sum);
-  return m;
-}
 
-inline MapPoint locate(const DepthMap& map, const Receiver& receiver, const Bias& bias, double reach) {
-  return locate(map.view, map.width, map.height, receiver, bias, reach);
-}
+ private:
+  Vec3d offset(const Vec3d& normal, const Vec3d& d) const {
+    const Vec3d to_light = view_.perspective ? -d : -view_.forward;
+    const double cosine = dot(normal, to_light) / length(to_light);
+    const double texel = std::max(texel_x_, texel_y_) * (view_.perspective ? dot(d, view_.forward) : 1);
+    return normal * (bias_.normal_offset * texel * std::sqrt(std::max(0.0, 1 - cosine * cosine)));
+  }
+
+  LightView view_;
+  Bias bias_;
+  double width_, height_, texel_x_, texel_y_, range_, per_range_;
+  Vec3d across_, along_;  ///< a texel each
+};
 
 }  // namespace detail
 }  // namespace treeline::shading::shadow

@@ -34,15 +34,13 @@ struct EsmOptions {
 /// Throws InvalidScene for options that are none.
 class Esm {
  public:
-  explicit Esm(const ExponentialMap& map, const EsmOptions& options = {}) : map_(&map), options_(options) {
-    detail::check(options.bias);
-  }
+  explicit Esm(const ExponentialMap& map, const EsmOptions& options = {})
+      : map_(&map), options_(options), frame_(map.map.view, map.map.width, map.map.height, options.bias) {}
   Esm(ExponentialMap&&, const EsmOptions& = {}) = delete;
 
   float visibility(const Receiver& receiver) const {
     const MomentMap<1>& map = map_->map;
-    const MapPoint m =
-        detail::locate(map.view, map.width, map.height, receiver, options_.bias, map.radius + 1);
+    const MapPoint m = frame_.locate(receiver, map.radius + 1);
     if (!m.inside) return 1;
     return std::min(1.0f, map.around(m)[0] * std::exp(-float(map_->exponent) * m.limit));
   }
@@ -51,6 +49,7 @@ class Esm {
  private:
   const ExponentialMap* map_;
   EsmOptions options_;
+  detail::MapFrame frame_;
 };
 static_assert(ShadowMethod<Esm>);
 

@@ -57,8 +57,8 @@ struct EvsmOptions {
 template <int K>
 class Evsm {
  public:
-  explicit Evsm(const WarpedMap<K>& map, const EvsmOptions& options = {}) : map_(&map), options_(options) {
-    detail::check(options.bias);
+  explicit Evsm(const WarpedMap<K>& map, const EvsmOptions& options = {})
+      : map_(&map), options_(options), frame_(map.map.view, map.map.width, map.map.height, options.bias) {
     detail::check_knob("least_deviation", options.least_deviation, 0, 1);
     detail::check_knob("leak_cut", options.leak_cut, 0, 0.999);
   }
@@ -66,8 +66,7 @@ class Evsm {
 
   float visibility(const Receiver& receiver) const {
     const MomentMap<K>& map = map_->map;
-    const MapPoint m =
-        detail::locate(map.view, map.width, map.height, receiver, options_.bias, map.radius + 1);
+    const MapPoint m = frame_.locate(receiver, map.radius + 1);
     if (!m.inside) return 1;
     const std::array<float, K> moments = map.around(m);
     const float c = float(map_->exponents.positive);
@@ -87,6 +86,7 @@ class Evsm {
   }
   const WarpedMap<K>* map_;
   EvsmOptions options_;
+  detail::MapFrame frame_;
 };
 static_assert(ShadowMethod<Evsm<2>> && ShadowMethod<Evsm<4>>);
 

@@ -42,11 +42,12 @@ struct MomentMap {
   std::size_t bytes() const { return values.size() * sizeof(float); }
   std::array<float, K> around(const MapPoint& m) const {
     const TexelSquare s(m, width, height);
-    std::array<float, K> out{};
-    for (int i = 0; i < 4; ++i) {
-      const float* p = values.data() + std::size_t(K) * s.index[i];
-      for (std::size_t k = 0; k < K; ++k) out[k] += s.weight[i] * p[k];
-    }
+    const float* texel[4];
+    for (int i = 0; i < 4; ++i) texel[i] = values.data() + std::size_t(K) * s.index[i];
+    std::array<float, K> out;
+    for (std::size_t k = 0; k < K; ++k)
+      out[k] = s.weight[0] * texel[0][k] + s.weight[1] * texel[1][k] + s.weight[2] * texel[2][k] +
+               s.weight[3] * texel[3][k];
     return out;
   }
 };

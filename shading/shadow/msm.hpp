@@ -73,16 +73,15 @@ struct MsmOptions {
 template <class Map>
 requires(std::same_as<Map, MomentMap<4>> || std::same_as<Map, QuantisedMoments>) class Msm {
  public:
-  explicit Msm(const Map& map, const MsmOptions& options = {}) : map_(&map), options_(options) {
-    detail::check(options.bias);
+  explicit Msm(const Map& map, const MsmOptions& options = {})
+      : map_(&map), options_(options), frame_(map.view, map.width, map.height, options.bias) {
     detail::check_knob("alpha", options.alpha, 0, 1);
     detail::check_knob("leak_cut", options.leak_cut, 0, 0.999);
   }
   Msm(Map&&, const MsmOptions& = {}) = delete;
 
   float visibility(const Receiver& receiver) const {
-    const MapPoint m =
-        detail::locate(map_->view, map_->width, map_->height, receiver, options_.bias, map_->radius + 1);
+    const MapPoint m = frame_.locate(receiver, map_->radius + 1);
     if (!m.inside) return 1;
     const auto moments = moved_moments(moments_around(m), float(options_.alpha));
     const float shadow = hamburger(moments, 2 * m.limit - 1).before;
@@ -109,6 +108,7 @@ requires(std::same_as<Map, MomentMap<4>> || std::same_as<Map, QuantisedMoments>)
   }
   const Map* map_;
   MsmOptions options_;
+  detail::MapFrame frame_;
 };
 static_assert(ShadowMethod<Msm<MomentMap<4>>> && ShadowMethod<Msm<QuantisedMoments>>);
 

@@ -48,8 +48,9 @@ inline int count_lit(const DepthMap& map, const MapPoint& m, int x0, int x1, int
 /// A square of texels. Throws InvalidScene for a map or options that are none.
 class PcfGrid {
  public:
-  explicit PcfGrid(const DepthMap& map, const PcfGridOptions& options = {}) : map_(&map), options_(options) {
-    detail::check_map(map), detail::check(options.bias);
+  explicit PcfGrid(const DepthMap& map, const PcfGridOptions& options = {})
+      : map_(&map), options_(options), frame_(map, options.bias) {
+    detail::check_map(map);
     detail::check_knob("radius", options.radius, 0, 1024);
   }
   PcfGrid(DepthMap&&, const PcfGridOptions& = {}) = delete;
@@ -57,7 +58,7 @@ class PcfGrid {
   float visibility(const Receiver& receiver) const {
     const int r = options_.radius;
     const double reach = r + (options_.smooth ? 1 : 0.5);
-    const MapPoint m = detail::locate(*map_, receiver, options_.bias, reach);
+    const MapPoint m = frame_.locate(receiver, reach);
     if (!m.inside) return 1;
     return options_.smooth ? smooth(m, r) : square(m, r);
   }
@@ -95,6 +96,7 @@ class PcfGrid {
 
   const DepthMap* map_;
   PcfGridOptions options_;
+  detail::MapFrame frame_;
 };
 static_assert(ShadowMethod<PcfGrid>);
 
@@ -102,14 +104,14 @@ static_assert(ShadowMethod<PcfGrid>);
 class PcfDisc {
  public:
   explicit PcfDisc(const DepthMap& map, const PcfDiscOptions& options = {})
-      : map_(&map), options_(options), taps_(taps(options.pattern, options.taps)) {
-    detail::check_map(map), detail::check(options.bias);
+      : map_(&map), options_(options), frame_(map, options.bias), taps_(taps(options.pattern, options.taps)) {
+    detail::check_map(map);
     detail::check_knob("radius", options.radius, 0, 4096);
   }
   PcfDisc(DepthMap&&, const PcfDiscOptions& = {}) = delete;
 
   float visibility(const Receiver& receiver) const {
-    const MapPoint m = detail::locate(*map_, receiver, options_.bias, options_.radius + 0.5);
+    const MapPoint m = frame_.locate(receiver, options_.radius + 0.5);
     if (!m.inside) return 1;
     const float radius = float(options_.radius);
     const detail::TapFrame frame(options_.pattern != TapPattern::square, options_.turned,
@@ -122,6 +124,7 @@ class PcfDisc {
  private:
   const DepthMap* map_;
   PcfDiscOptions options_;
+  detail::MapFrame frame_;
   std::vector<Tap> taps_;
 };
 static_assert(ShadowMethod<PcfDisc>);

@@ -39,8 +39,8 @@ struct Blockers {
 class Pcss {
  public:
   Pcss(const DepthMap& map, const Light& light, const PcssOptions& options = {})
-      : map_(&map), options_(options), extent_(light, map.view) {
-    detail::check_map(map), detail::check(options.bias);
+      : map_(&map), options_(options), frame_(map, options.bias), extent_(light, map.view) {
+    detail::check_map(map);
     detail::check_knob("least_radius", options.least_radius, 0, 1024);
     const auto pattern = extent_.disc() ? TapPattern::spiral : TapPattern::square;
     search_ = taps(pattern, options.search_taps), filter_ = taps(pattern, options.filter_taps);
@@ -69,7 +69,7 @@ class Pcss {
   }
   MapPoint locate(const Receiver& receiver) const {
     const double far_texels = options_.bias.slope > 0 ? reach(receiver) : 0.5;
-    return detail::locate(*map_, receiver, options_.bias, far_texels);
+    return frame_.locate(receiver, far_texels);
   }
 
  private:
@@ -87,6 +87,7 @@ class Pcss {
 
   const DepthMap* map_;
   PcssOptions options_;
+  detail::MapFrame frame_;
   LightExtent extent_;
   std::vector<Tap> search_, filter_;
   Tap u_{}, v_{};  ///< half axes of the light, in texels at scale 1

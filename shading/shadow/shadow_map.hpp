@@ -17,13 +17,13 @@ struct ShadowMapOptions {
 class ShadowMap {
  public:
   explicit ShadowMap(const DepthMap& map, const ShadowMapOptions& options = {})
-      : map_(&map), options_(options) {
-    detail::check_map(map), detail::check(options.bias);
+      : map_(&map), frame_(map, options.bias) {
+    detail::check_map(map);
   }
   ShadowMap(DepthMap&&, const ShadowMapOptions& = {}) = delete;
 
   float visibility(const Receiver& receiver) const {
-    const MapPoint m = detail::locate(*map_, receiver, options_.bias, 0.5);
+    const MapPoint m = frame_.locate(receiver, 0.5);
     if (!m.inside) return 1;
     return m.lit(map_->first[map_->index(m.x, m.y)], 0.5f - m.fx, 0.5f - m.fy);
   }
@@ -31,7 +31,7 @@ class ShadowMap {
 
  private:
   const DepthMap* map_;
-  ShadowMapOptions options_;
+  detail::MapFrame frame_;
 };
 static_assert(ShadowMethod<ShadowMap>);
 

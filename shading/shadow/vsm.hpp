@@ -39,16 +39,15 @@ struct VsmOptions {
 /// Throws InvalidScene for options that are none.
 class Vsm {
  public:
-  explicit Vsm(const MomentMap<2>& map, const VsmOptions& options = {}) : map_(&map), options_(options) {
-    detail::check(options.bias);
+  explicit Vsm(const MomentMap<2>& map, const VsmOptions& options = {})
+      : map_(&map), options_(options), frame_(map.view, map.width, map.height, options.bias) {
     detail::check_knob("least_variance", options.least_variance, 0, 1);
     detail::check_knob("leak_cut", options.leak_cut, 0, 0.999);
   }
   Vsm(MomentMap<2>&&, const VsmOptions& = {}) = delete;
 
   float visibility(const Receiver& receiver) const {
-    const MapPoint m =
-        detail::locate(map_->view, map_->width, map_->height, receiver, options_.bias, map_->radius + 1);
+    const MapPoint m = frame_.locate(receiver, map_->radius + 1);
     if (!m.inside) return 1;
     const auto [mean, square] = map_->around(m);
     const float variance = std::max(square - mean * mean, float(options_.least_variance));
@@ -59,6 +58,7 @@ class Vsm {
  private:
   const MomentMap<2>* map_;
   VsmOptions options_;
+  detail::MapFrame frame_;
 };
 static_assert(ShadowMethod<Vsm>);
 

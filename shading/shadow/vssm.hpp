@@ -55,8 +55,13 @@ class Vssm {
  public:
   Vssm(const DepthMap& map, const VarianceSums& sums, const DepthPyramid* pyramid, const Light& light,
        const VssmOptions& options = {})
-      : map_(&map), sums_(&sums), pyramid_(pyramid), options_(options), extent_(light, map.view) {
-    detail::check_map(map), detail::check(options.bias);
+      : map_(&map),
+        sums_(&sums),
+        pyramid_(pyramid),
+        options_(options),
+        frame_(map, options.bias),
+        extent_(light, map.view) {
+    detail::check_map(map);
     detail::check_knob("parts", options.parts, 1, 16);
     detail::check_knob("least_radius", options.least_radius, 0, 1024);
     detail::check_knob("least_variance", options.least_variance, 0, 1);
@@ -64,7 +69,7 @@ class Vssm {
   }
 
   float visibility(const Receiver& receiver) const {
-    const MapPoint m = detail::locate(*map_, receiver, options_.bias, 0.5);
+    const MapPoint m = frame_.locate(receiver, 0.5);
     if (!m.inside) return 1;
     const TexelBox around = box(m, extent_.scale(m.depth, 0));
     if (const auto sure = decided(m, around)) return *sure;
@@ -148,6 +153,7 @@ class Vssm {
   const VarianceSums* sums_;
   const DepthPyramid* pyramid_;
   VssmOptions options_;
+  detail::MapFrame frame_;
   LightExtent extent_;
 };
 static_assert(ShadowMethod<Vssm>);

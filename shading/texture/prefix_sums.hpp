@@ -136,7 +136,7 @@ inline constexpr int band = 4;              ///< rows side by side
 inline constexpr int tile_rows = 64;        ///< that a thread takes at once
 inline constexpr int tile_bytes = 1 << 12;  ///< of a row of the table
 
-/// One tile of `count` rows from `y` on, entries [begin, end) of each; begin and the tile's width are whole
+/// One tile's rows from `y` on, entries [begin, end) of each; begin and the tile's width are whole
 /// registers but at the right border. `above` is the row of column sums, `left` the carries of these rows.
 template <int rows, int channels, class Source, class Entry>
 void tile_rows_at(const Source& source, int y, std::size_t begin, std::size_t end, Entry* above,

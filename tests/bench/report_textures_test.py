@@ -40,6 +40,8 @@ class Textures(unittest.TestCase):
         self.assertEqual(v.word, claims.ONLY_IF)
         self.assertIn("oblong, mip_square", v.condition)
         self.assertNotIn("mip_anisotropic", v.condition)
+        biased = row("mip_square", "square24", 0.004, family="mip", query={"bias": -0.79})
+        self.assertEqual(verdict("T2", row("mip_square", "square24", 0.05, family="mip", query=plain), biased).word, claims.FAILS)
         self.assertEqual(verdict("T2", row("mip_square", "square24", 0.05, family="mip", query=plain)).word, claims.HOLDS)
 
     def test_builds_by_size_threads_and_beside_a_copy(self):

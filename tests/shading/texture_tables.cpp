@@ -215,7 +215,7 @@ double variance_error(int n) {
   double worst = 0;
   for (int y = n / 2; y + 9 < n; y += 13)
     for (int x = n / 2; x + 9 < n; x += 13) {
-      double m[2];
+      double m[most_channels] = {};
       table.box_mean(Box{double(x), double(y), x + 9.0, y + 9.0}, m);
       worst = std::max(worst, std::abs(m[1] - m[0] * m[0] - variance));
     }
