@@ -71,7 +71,8 @@ std::vector<Knobs> forms() {
                   {{{"resolution", 64}}, {{"resolution", 128}}, {{"resolution", 32}}, {{"resolution", 256}}},
               .query_knobs = forms(),
               .ladder = 20,
-              .quick_builds = 3},
+              .quick_builds = 3,
+              .quick_largest_n = 50'000},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<ShadowSubject> {
        return std::make_unique<FieldCones>(input, knobs.at("resolution").get<int>());
      }});
