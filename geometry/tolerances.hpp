@@ -120,10 +120,10 @@ inline constexpr T on_surface = T(4) * unit_roundoff<T>;
 
 /// How far off its surface a shadow ray starts, relative to the reach of its scene (the camera's place
 /// included). A hit that a ray test reports lies, along each axis, within hit_slack of its triangle: if the
-/// ray starts farther above the triangle's plane than sqrt(3) of those and goes away from it, it cannot report
-/// that triangle. The same once more for the receiver, which a ray from the camera found; 111 u. Rounding
-/// origin and direction takes the rest, where the scene is no farther from its coordinates' origin than it is
-/// large.
+/// ray starts farther above the triangle's plane than sqrt(3) of those and goes away from it, it cannot
+/// report that triangle. The same once more for the receiver, which a ray from the camera found; 111 u.
+/// Rounding origin and direction takes the rest, where the scene is no farther from its coordinates' origin
+/// than it is large.
 template <class T>
 inline constexpr T shadow_offset = T(128) * unit_roundoff<T>;
 

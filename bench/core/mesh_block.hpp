@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/core/all_threads.hpp"
 #include "bench/core/task.hpp"
 
 namespace treeline::bench {
@@ -17,7 +18,7 @@ struct MeshInput {
   geometry::Mesh3f mesh;
   std::uint64_t seed = 0, dataset_hash = 0;
   bool quick = false;  // time is short
-  int threads = 1;     // for the truth; 1 starts no thread pool
+  int threads = 1;     // for queries and their truth, which nobody times; 1 starts no thread pool
   std::string truth_cache;
   int version = 0;  // of the task
 };
@@ -34,7 +35,7 @@ inline void require_triangles(const datasets::Dataset& dataset, const std::strin
 inline void take_mesh(MeshInput& input, datasets::Dataset&& dataset, const RunContext& context, int version) {
   input.dataset_hash = dataset.hash(), input.seed = dataset.seed;
   input.quick = context.profile == Profile::quick;
-  input.threads = context.threads;
+  input.threads = all_threads();
   input.truth_cache = context.truth_cache;
   input.version = version;
   input.mesh = std::move(dataset.mesh);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "bench/core/all_threads.hpp"
 #include "bench/distance_field/block.hpp"
 #include "datasets_gen/hard/hard_case.hpp"
 
@@ -73,8 +74,7 @@ std::unique_ptr<Block> DistanceFieldTask::open(const BlockSpec& spec, const RunC
   input.quick = context.profile != Profile::full;
   if (context.profile == Profile::smoke || spec.hard) input.points = input.rays = 500;
   if (context.profile == Profile::full && !spec.hard) input.points = input.rays = 65536;
-  input.threads =
-      spec.hard ? 1 : context.threads;  // hard cases run in children of a fork: no thread pool here
+  input.threads = spec.hard ? 1 : all_threads();  // hard cases run in children of a fork: no thread pool here
   if (spec.hard) {
     for (datasets::HardCase& c : datasets::hard_cases())
       if (c.name == spec.dataset &&
@@ -99,7 +99,7 @@ std::unique_ptr<Block> DistanceFieldTask::open(datasets::Dataset dataset, const 
                                 "' has no triangles; the task distance_field needs a mesh of triangles");
   BlockInput input;
   input.dataset = std::move(dataset);
-  input.seed = context.seed, input.threads = context.threads;
+  input.seed = context.seed, input.threads = all_threads();
   input.quick = context.profile != Profile::full;
   if (context.profile == Profile::full) input.points = input.rays = 65536;
   return open_block(registered(), std::move(input));

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <thread>
 #include <type_traits>
 
+#include "bench/core/all_threads.hpp"
 #include "bench/core/refusal.hpp"
 #include "bench/core/truth_cache.hpp"
 #include "bench/knn/metric.hpp"
@@ -244,7 +244,7 @@ std::unique_ptr<Block> open_over(const std::vector<Method>& methods, std::vector
   o.seed = dataset.seed;
   o.hash = dataset.hash();
   o.task_version = task_version;
-  o.truth_threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  o.truth_threads = all_threads();
   o.truth_cache = context.truth_cache;
   o.quick = context.profile == Profile::quick;
   o.points = std::move(points);

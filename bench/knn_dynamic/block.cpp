@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
-#include <thread>
 
+#include "bench/core/all_threads.hpp"
 #include "bench/core/refusal.hpp"
 #include "bench/knn/metric.hpp"
 #include "bench/knn_dynamic/life.hpp"
@@ -252,7 +252,7 @@ std::unique_ptr<Block> open_block(const std::vector<Method>& methods, datasets::
   for (std::size_t i = 0; i < pool; ++i)
     if (!geometry::is_finite(o.pool[i]))
       throw std::invalid_argument("point " + std::to_string(i) + " has a coordinate that is not finite");
-  o.truth_threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  o.truth_threads = all_threads();
   o.quick = context.profile == Profile::quick;
   const auto add = [&](const char* name, std::size_t batches, Goes goes, Asks asks) {
     const std::size_t batch = std::max<std::size_t>(1, batches == 0 ? 1 : n / batches);

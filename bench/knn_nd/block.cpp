@@ -1,8 +1,8 @@
 #include "bench/knn_nd/block.hpp"
 
 #include <algorithm>
-#include <thread>
 
+#include "bench/core/all_threads.hpp"
 #include "bench/core/refusal.hpp"
 #include "bench/core/truth_cache.hpp"
 #include "bench/knn_nd/metric.hpp"
@@ -102,8 +102,7 @@ class RowBlock final : public Block {
       } catch (const std::invalid_argument&) {
         // Damaged: counts as absent.
       }
-    const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
-    const int threads = questions_.hard ? 1 : static_cast<int>(cores);
+    const int threads = questions_.hard ? 1 : all_threads();
     truth_ = truth_of(view_of(dataset_.vectors), view_of(questions_.rows), k, threads);
     const std::string bytes = to_bytes(*truth_);
     store_truth(truth_cache_, key, std::as_bytes(std::span(bytes)));

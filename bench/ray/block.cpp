@@ -80,11 +80,13 @@ RayBlock::RayBlock(BlockInput input, const std::vector<Method>& methods)
     : MeshBlock(std::move(input), methods), truths_(input_.sets.size()) {
   frames_ = std::move(input_.moved);
   frames_.insert(frames_.begin(), std::move(input_.mesh));
+  std::vector<double> largest;
+  for (const geometry::Mesh3f& frame : frames_) largest.push_back(Judge::largest_coordinate(frame));
   for (const RaySet& set : input_.sets) {
     query_sets_.push_back({set.name, set.rays.size()});
     const geometry::Mesh3f& mesh = frames_.at(set.frame);
-    float_judges_.emplace_back(mesh, geometry::tolerance::unit_roundoff<float>);
-    double_judges_.emplace_back(mesh, geometry::tolerance::unit_roundoff<double>);
+    float_judges_.emplace_back(mesh, geometry::tolerance::unit_roundoff<float>, largest[set.frame]);
+    double_judges_.emplace_back(mesh, geometry::tolerance::unit_roundoff<double>, largest[set.frame]);
   }
 }
 

@@ -74,13 +74,14 @@ struct Judge::Case {
   }
 };
 
-Judge::Judge(const geometry::Mesh3f& mesh, double unit_roundoff)
-    : mesh_(mesh), unit_roundoff_(unit_roundoff) {
+double Judge::largest_coordinate(const geometry::Mesh3f& mesh) {
+  double largest = 0;
   for (const auto& face : mesh.faces)
     for (const auto vertex : face)
       for (int axis = 0; axis < 3; ++axis)
         if (const double x = std::abs(mesh.vertices[vertex][axis]); std::isfinite(x))
-          largest_ = std::max(largest_, x);
+          largest = std::max(largest, x);
+  return largest;
 }
 
 double Judge::eps(const geometry::Rayf& ray, std::span<const Id> faces) const {

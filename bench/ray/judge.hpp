@@ -62,8 +62,14 @@ struct Judged {
 
 class Judge {
  public:
-  /// unit_roundoff: of the arithmetic that the method claims to answer in.
-  Judge(const geometry::Mesh3f& mesh, double unit_roundoff);
+  /// unit_roundoff: of the arithmetic that the method claims to answer in; largest: largest_coordinate().
+  Judge(const geometry::Mesh3f& mesh, double unit_roundoff, double largest)
+      : mesh_(mesh), unit_roundoff_(unit_roundoff), largest_(largest) {}
+  Judge(const geometry::Mesh3f& mesh, double unit_roundoff)
+      : Judge(mesh, unit_roundoff, largest_coordinate(mesh)) {}
+
+  /// The largest magnitude of a finite coordinate of a face's corner.
+  static double largest_coordinate(const geometry::Mesh3f& mesh);
 
   /// ray_number keys a cache of the faces near a ray: use one number per ray.
   Judged closest(std::size_t ray_number, const geometry::Rayf& ray, const TrueHit& truth,
@@ -91,7 +97,7 @@ class Judge {
 
   const geometry::Mesh3f& mesh_;
   double unit_roundoff_;
-  double largest_ = 0;                          // |coordinate| of the finite vertices
+  double largest_;
   std::unordered_map<std::size_t, Near> near_;  // as far off as was asked for yet
 };
 

@@ -121,7 +121,7 @@ std::unique_ptr<Block> RayTask::open(Dataset dataset, const RunContext& context,
   BlockInput input;
   const std::size_t n = dataset.mesh.size();
   const std::size_t count = rays_per_set(n, context.profile) * (scaling ? scaling_factor : 1);
-  input.sets = make_ray_sets(dataset.mesh, count, context.seed, context.threads);
+  input.sets = make_ray_sets(dataset.mesh, count, context.seed, all_threads());
   if (scaling) {
     ask_by_threads(input.sets);
   } else if (moves(dataset.name, n, context.profile)) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "bench/core/all_threads.hpp"
 #include "bench/region_average/block.hpp"
 #include "bench/region_average/pictures.hpp"
 #include "datasets_gen/hard/hard_textures.hpp"
@@ -83,7 +84,7 @@ std::unique_ptr<Block> RegionAverageTask::open(datasets::Dataset dataset, const 
     for (FootprintSet& s : input.sets) s.name += "_threads";
   }
   input.dataset = std::move(dataset);
-  input.threads = context.threads;
+  input.threads = all_threads();
   input.quick = context.profile == Profile::quick;
   return open_block(registered(), std::move(input));
 }

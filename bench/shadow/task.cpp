@@ -3,6 +3,7 @@
 #include <array>
 #include <stdexcept>
 
+#include "bench/core/all_threads.hpp"
 #include "bench/shadow/closed_form.hpp"
 #include "bench/shadow/pictures.hpp"
 #include "datasets_gen/scenes/light.hpp"
@@ -129,14 +130,14 @@ std::unique_ptr<Block> ShadowTask::open(datasets::Dataset dataset, const RunCont
       input.frames = frames;
   }
   input.truth = truth_options(context.profile, context.seed);
-  input.threads = context.threads;
+  input.threads = all_threads();
   input.quick = context.profile != Profile::full;
   return std::make_unique<ShadowBlock>(registered(), std::move(input));
 }
 
 void ShadowTask::pictures(const BlockSpec& spec, const RunContext& context, const std::string& folder) const {
   const auto block = open(spec, context);
-  draw_pictures(registered(), dynamic_cast<ShadowBlock&>(*block), spec.dataset, context.threads, folder);
+  draw_pictures(registered(), dynamic_cast<ShadowBlock&>(*block), spec.dataset, all_threads(), folder);
 }
 
 }  // namespace treeline::bench::shadow
