@@ -39,6 +39,23 @@ struct SolidOptions {
 
 namespace solid {
 
+/// Throws InvalidInput for options out of range.
+inline void check(const SolidOptions& o) {
+  const auto need = [](bool holds, const std::string& name, double value, const char* what) {
+    if (!holds)
+      throw InvalidInput("solid: " + name + " is " + std::to_string(value) + "; it must be " + what);
+  };
+  int exponent = 0;
+  const double spacing = o.grid.spacing;
+  need(spacing == 0 || (std::isfinite(spacing) && std::frexp(spacing, &exponent) == 0.5), "grid.spacing",
+       spacing, "0 or a power of two");
+  need(o.candidates >= 1, "candidates", o.candidates, "at least 1");
+  need(o.axis_levels >= 0, "axis_levels", o.axis_levels, "at least 0");
+  need(o.sample >= 1, "sample", double(o.sample), "at least 1");
+  need(std::isfinite(o.split_cost) && o.split_cost >= 0, "split_cost", o.split_cost, "finite, not negative");
+  need(std::isfinite(o.epsilon) && o.epsilon >= 0, "epsilon", o.epsilon, "finite, not negative");
+}
+
 template <class Space>
 class PlaneChooser {
  public:

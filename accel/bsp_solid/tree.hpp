@@ -80,6 +80,18 @@ class BspTree<Solid<Space>> {
 
  private:
   void build(const SolidOptions& options);
+  /// Of the tetrahedron that whole numbers span with the origin.
+  static solid::Int128 six_volumes(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    std::int64_t x[3], p[3], q[3];
+    for (int k = 0; k < 3; ++k)
+      x[k] = std::int64_t(a[k]), p[k] = std::int64_t(b[k] - a[k]), q[k] = std::int64_t(c[k] - a[k]);
+    solid::Int128 sum = 0;
+    for (int k = 0; k < 3; ++k) {
+      const int i = (k + 1) % 3, j = (k + 2) % 3;
+      sum += solid::Int128(x[k]) * (p[i] * q[j] - p[j] * q[i]);
+    }
+    return sum;
+  }
   Vec3d position(const typename Space::Corner& c) const { return grid().position(Vec3d(c.at)); }
   void hit_face(const Piece& face, const geometry::Watertight::Prepared<double>& test,
                 const geometry::Rayd& ray, Hit<double>& best) const;
@@ -98,9 +110,15 @@ static_assert(VolumeIndex<BspTree<Solid<>>>);
 namespace solid {
 template <class T>
 SolidGrid grid_of(const geometry::Mesh<T>& mesh, const SolidOptions& options) {
+  check(options);
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
     if (!is_finite(mesh.vertices[i]))
       throw InvalidInput("solid: vertex " + std::to_string(i) + " is not finite");
+  for (std::size_t f = 0; f < mesh.size(); ++f)
+    for (const std::uint32_t corner : mesh.faces[f])
+      if (corner >= mesh.vertices.size())
+        throw InvalidInput("solid: face " + std::to_string(f) + " names vertex " + std::to_string(corner) +
+                           " of " + std::to_string(mesh.vertices.size()));
   if (mesh.faces.empty()) throw InvalidInput("solid: the mesh has no faces");
   if (options.grid.spacing > 0) return options.grid;
   geometry::Box<double, 3> box;
@@ -283,18 +301,26 @@ Hit<double> BspTree<Solid<Space>>::closest_hit(const geometry::Rayd& ray) const 
   return best;
 }
 
-/// Of the polygons, by the divergence theorem, from corners rounded to double.
+/// Of the polygons, by the divergence theorem: exactly where their corners are vertices, else from corners
+/// rounded to double.
 template <class Space>
 double BspTree<Solid<Space>>::volume() const {
+  solid::Int128 whole = 0;  // a term is below 2^80: differences have 26 bits
   long double sum = 0;
   for (const Piece& p : source_) {
     const auto c = pieces_.of(p);
     const Vec3d a(c[0].at);
+    if constexpr (Space::is_exact)
+      if (std::ranges::all_of(c, [](const auto& corner) { return corner.planes[0] == solid::no_plane; })) {
+        for (std::size_t i = 2; i < c.size(); ++i)
+          whole += six_volumes(a, Vec3d(c[i - 1].at), Vec3d(c[i].at));
+        continue;
+      }
     for (std::size_t i = 2; i < c.size(); ++i)
       sum += static_cast<long double>(dot(a, cross(Vec3d(c[i - 1].at) - a, Vec3d(c[i].at) - a)));
   }
   const double step = grid().spacing;
-  return static_cast<double>(sum / 6) * (step * step * step);
+  return static_cast<double>((sum + static_cast<long double>(whole)) / 6) * (step * step * step);
 }
 
 }  // namespace treeline::accel

@@ -34,11 +34,11 @@ class SignedDistance {
   explicit SignedDistance(const Mesh& mesh, const TreeOptions& tree_options = {},
                           const SignOptions& sign_options = {}, int threads = 1)
       : SignedDistance(mesh, Tree(mesh, tree_options), sign_options, threads) {}
-  /// With a tree that was built over the same mesh. Throws InvalidInput for a face that names no vertex or
-  /// threads < 1.
+  /// With a tree that was built over the same mesh. Throws InvalidInput for a face that names no vertex,
+  /// a tree over another number of faces, or threads < 1.
   SignedDistance(const Mesh& mesh, Tree tree, const SignOptions& sign_options = {}, int threads = 1)
       : tree_(std::move(tree)),
-        closedness_(checked_closedness(mesh, threads)),
+        closedness_(checked_closedness(mesh, tree_, threads)),
         rule_(mesh, tree_, sign_options, threads) {}
 
   /// Whether every edge has an even number of faces, corners at equal positions being one and faces that are
@@ -111,8 +111,14 @@ class SignedDistance {
                                                             double(q[2]) - double(closest.point[2])));
     return d != 0 && inside() ? -d : d;
   }
-  static geometry::Closedness checked_closedness(const Mesh& mesh, int threads) {
+  static geometry::Closedness checked_closedness(const Mesh& mesh, const Tree& tree, int threads) {
     check_threads(threads);
+    if constexpr (Inspectable<Tree>) {
+      const TreeStats stats = tree.stats();
+      if (stats.primitives + stats.dropped != mesh.size())
+        throw InvalidInput("the tree is over " + std::to_string(stats.primitives + stats.dropped) +
+                           " faces, the mesh has " + std::to_string(mesh.size()));
+    }
     for (std::size_t f = 0; f < mesh.size(); ++f)
       for (const std::uint32_t corner : mesh.faces[f])
         if (corner >= mesh.vertices.size())

@@ -55,8 +55,8 @@ RIGHT = 1e-6  # what single precision leaves of an error on average
 
 
 def right(row):
-    """Answers these queries right, but for rounding, whatever it claims."""
-    return charted(row) and (row.claim == "exact" or shown_error(row) <= RIGHT)
+    """Answers these queries right, but for rounding, whatever it claims: on a damaged mesh nobody's claim is judged."""
+    return charted(row) and shown_error(row) <= RIGHT
 
 
 def exact(row):
