@@ -59,11 +59,13 @@ void segfault() { raise(SIGSEGV); }
 
 const pid_t first_process = getpid();
 
-/// As much as brings TBB's workers; tells how many threads there are then.
+/// As much as brings TBB's workers; tells how many threads that makes of one, whatever
+/// libraries started before main.
 void work_in_threads() {
+  const int before = thread_count();
   if (!std::getenv("FAKE_THREADS")) return;
   tbb::parallel_for(0, 64, [](int) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
-  std::fprintf(stderr, "threads: %d\n", thread_count());
+  std::fprintf(stderr, "threads: %d\n", 1 + thread_count() - before);
 }
 
 [[gnu::noinline]] void devour() {
