@@ -62,8 +62,8 @@ const pid_t first_process = getpid();
 /// As much as brings TBB's workers; tells how many threads that makes of one, whatever
 /// libraries started before main.
 void work_in_threads() {
-  const int before = thread_count();
   if (!std::getenv("FAKE_THREADS")) return;
+  const int before = thread_count();
   tbb::parallel_for(0, 64, [](int) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
   std::fprintf(stderr, "threads: %d\n", 1 + thread_count() - before);
 }
