@@ -6,16 +6,7 @@
 
 namespace treeline::shading::texture {
 
-struct DoubleSums {
-  using Entry = double;
-
-  void sum(const Image& image, Table<Entry>& table, int threads) {
-    sum_up(PlainSource<Entry>(image), image, table, threads);
-    check_sums(image, table.view());
-  }
-  double value(double mean, int) const { return mean; }
-};
-
+using DoubleSums = PlainSums<double>;
 using SatDouble = SummedAreaTable<DoubleSums>;
 static_assert(RegionAverager<SatDouble>);
 

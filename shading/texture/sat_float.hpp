@@ -6,16 +6,7 @@
 
 namespace treeline::shading::texture {
 
-struct FloatSums {
-  using Entry = float;
-
-  void sum(const Image& image, Table<Entry>& table, int threads) {
-    sum_up(PlainSource<Entry>(image), image, table, threads);
-    check_sums(image, table.view());
-  }
-  double value(double mean, int) const { return mean; }
-};
-
+using FloatSums = PlainSums<float>;
 using SatFloat = SummedAreaTable<FloatSums>;
 static_assert(RegionAverager<SatFloat>);
 

@@ -58,6 +58,18 @@ void check_sums(const Image& image, const TableView<Entry>& table) {
     }
 }
 
+/// As they are, in floating point.
+template <std::floating_point T>
+struct PlainSums {
+  using Entry = T;
+
+  void sum(const Image& image, Table<Entry>& table, int threads) {
+    sum_up(PlainSource<Entry>(image), image, table, threads);
+    check_sums(image, table.view());
+  }
+  double value(double mean, int) const { return mean; }
+};
+
 /// As levels, in integers: the whole range [0, 1] if all values are in it, else their own range.
 template <class Table>
 Levels sum_levels(const Image& image, Table& table, int threads) {
