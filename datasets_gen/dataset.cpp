@@ -12,6 +12,19 @@ static_assert(sizeof(geometry::Vec3d) == 24 && sizeof(geometry::Vec3f) == 12 &&
                   sizeof(geometry::Mesh3f::Face) == 12,
               "hashed as plain bytes");
 
+namespace {
+
+/// All of a material but its name.
+std::vector<double> numbers_of(const shading::Material& m) {
+  std::vector<double> r{double(m.kind), double(m.distribution), double(m.masking),      m.alpha_x,
+                        m.alpha_y,      double(m.fresnel),      double(m.compensation), m.index};
+  for (const shading::Rgb& rgb : {m.reflectance, m.emission, m.conductor_index, m.conductor_extinction})
+    for (int c = 0; c < 3; ++c) r.push_back(double(rgb[c]));
+  return r;
+}
+
+}  // namespace
+
 void Dataset::keep_precise(geometry::Cloud3d points) {
   precise = std::move(points);
   cloud.points.clear();
@@ -35,6 +48,10 @@ std::size_t Dataset::size() const {
       return scene.mesh.size();
     case Kind::image:
       return static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+    case Kind::room:
+      return room.mesh.size();
+    case Kind::surface:
+      return 1;
   }
   return 0;
 }
@@ -63,6 +80,15 @@ std::uint64_t Dataset::hash() const {
     const shading::Light& l = scene.light;
     add(std::vector{c.position, c.target, c.up, l.position, l.direction, l.u, l.v});
     add(std::vector{c.height_angle, double(c.width), double(c.height), double(l.kind), l.angle});
+  } else if (kind == Kind::room) {
+    add(room.mesh.vertices), add(room.mesh.faces), add(room.face_materials);
+    for (const shading::Material& m : room.materials) add(numbers_of(m));
+    const shading::Camera& c = room.camera;
+    add(std::vector{c.position, c.target, c.up});
+    add(std::vector{c.height_angle, double(c.width), double(c.height)});
+    add(std::vector{room.background});
+  } else if (kind == Kind::surface) {
+    add(numbers_of(material));
   } else {
     add(mesh.vertices);
     add(mesh.faces);

@@ -5,7 +5,9 @@
 
 #include "datasets_gen/meshes/damage.hpp"
 #include "datasets_gen/recipe.hpp"
+#include "datasets_gen/rooms/room.hpp"
 #include "datasets_gen/scenes/scene.hpp"
+#include "datasets_gen/surfaces/surface.hpp"
 #include "geometry/adjacency.hpp"
 
 namespace treeline::datasets {
@@ -102,19 +104,26 @@ const Entry& entry_named(std::string_view name) {
       if (e.recipe.name == name) return e;
       known += (known.empty() ? "" : ", ") + e.recipe.name;
     }
-  for (const std::string& scene : scene_names()) known += ", " + scene;
+  for (const Kind kind : {Kind::scene, Kind::room, Kind::surface})
+    for (const KnobRecipe& recipe : knob_recipes(kind)) known += ", " + recipe.name;
   throw std::invalid_argument("no recipe is called '" + std::string(name) + "'; known: " + known);
 }
 
 constexpr std::size_t least_n = 1'000, largest_n = 10'000'000, largest_image = std::size_t{1} << 26;
 
-Dataset generate_scene(std::string_view name, std::string_view base, std::size_t n, std::uint64_t seed,
-                       const Progress& progress) {
+/// A scene, a room or a surface.
+Dataset generate_with_knobs(std::string_view name, std::string_view base, std::size_t n, std::uint64_t seed,
+                            const Progress& progress) {
   if (name != base)
-    throw std::invalid_argument("'" + std::string(base) + "' is a scene; only meshes can be damaged");
+    throw std::invalid_argument("'" + std::string(base) + "' is no mesh; only meshes can be damaged");
   Dataset r;
-  r.name = name, r.kind = Kind::scene, r.seed = seed;
-  r.scene = make_scene(name, n, seed, progress);
+  r.name = name, r.seed = seed;
+  if (is_scene(base))
+    r.kind = Kind::scene, r.scene = make_scene(name, n, seed, progress);
+  else if (is_room(base))
+    r.kind = Kind::room, r.room = make_room(name, n, seed, progress);
+  else
+    r.kind = Kind::surface, r.material = make_surface(name);
   return r;
 }
 
@@ -141,7 +150,8 @@ std::span<const Recipe> special_recipes() {
 
 Dataset generate(std::string_view name, std::size_t n, std::uint64_t seed, const Progress& progress) {
   const std::string_view base = name.substr(0, name.find('+'));
-  if (is_scene(base)) return generate_scene(name, base, n, seed, progress);
+  if (is_scene(base) || is_room(base) || is_surface(base))
+    return generate_with_knobs(name, base, n, seed, progress);
   const Entry* const entry = &entry_named(base);
   std::vector<Damage> damages;
   for (std::string_view rest = name.substr(base.size()); !rest.empty();) {

@@ -42,6 +42,10 @@ const char* kind_name(Kind kind) {
       return "scene";
     case Kind::image:
       return "image";
+    case Kind::room:
+      return "room";
+    case Kind::surface:
+      return "surface";
   }
   return "";
 }
@@ -49,13 +53,13 @@ const char* kind_name(Kind kind) {
 void list() {
   for (const auto all : {recipes(), special_recipes()})
     for (const Recipe& r : all) fmt::print("{:<17} {:<7} {}\n", r.name, kind_name(r.kind), r.summary);
-  for (const SceneRecipe& s : scene_recipes()) {
-    std::string knobs;
-    for (const SceneKnob& k : s.knobs) knobs += fmt::format("_{}={}", k.name, k.value);
-    fmt::print("{:<17} {:<7} {}{}\n", s.name, "scene", s.summary,
-               knobs.empty() ? "" : "; " + s.name + knobs + ", numbers alone");
-  }
-  fmt::print("Of scenes the mesh is written, and light and camera are printed.\n");
+  for (const Kind kind : {Kind::scene, Kind::room, Kind::surface})
+    for (const KnobRecipe& r : knob_recipes(kind))
+      fmt::print("{:<17} {:<7} {}{}\n", r.name, kind_name(kind), r.summary,
+                 r.knobs.empty() ? "" : "; " + with_defaults(r) + ", numbers alone");
+  fmt::print(
+      "Of scenes the mesh is written, and light and camera are printed; of rooms the mesh; surfaces have "
+      "none.\n");
   fmt::print(
       "Meshes can be damaged: NAME+hole_P, +missing_P, +flipped_P, +duplicated_P, +degenerate_P (P per cent "
       "of the\n"

@@ -1,10 +1,13 @@
 // Scenes: the least that shading needs. Data only; what is done with them is elsewhere.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "geometry/mesh.hpp"
 #include "geometry/vec.hpp"
+#include "shading/material.hpp"
 
 namespace treeline::shading {
 
@@ -34,6 +37,17 @@ struct Scene {
   geometry::Mesh3f mesh;  ///< casts shadows and receives them
   Camera camera;
   Light light;
+};
+
+/// A scene that light is carried through. All of its light comes from faces that emit and from the
+/// background.
+struct LitScene {
+  std::string name;
+  geometry::Mesh3f mesh;  ///< front sides are those from which corners turn counterclockwise
+  Camera camera;
+  std::vector<Material> materials;
+  std::vector<std::uint32_t> face_materials;  ///< for each face, a place in materials
+  Rgb background{};                           ///< radiance where a ray meets nothing
 };
 
 }  // namespace treeline::shading

@@ -2,7 +2,7 @@
 
 #include "bench/core/cells.hpp"
 #include "bench/core/program.hpp"
-#include "datasets_gen/scenes/scene.hpp"
+#include "datasets_gen/knobs.hpp"
 
 namespace treeline::bench {
 namespace {
@@ -36,13 +36,8 @@ std::string format_list(const Task& task, const Options& options) {
   for (const datasets::Recipe& recipe : datasets::recipes())
     if (recipe.kind == task.dataset_kind())
       out += fmt::format("dataset {:<20} {}\n", recipe.name, recipe.summary);
-  if (task.dataset_kind() == datasets::Kind::scene)
-    for (const datasets::SceneRecipe& scene : datasets::scene_recipes()) {
-      std::string knobs;
-      for (const datasets::SceneKnob& knob : scene.knobs)
-        knobs += fmt::format("_{}={}", knob.name, knob.value);
-      out += fmt::format("dataset {:<20} {}\n", scene.name + knobs, scene.summary);
-    }
+  for (const datasets::KnobRecipe& recipe : datasets::knob_recipes(task.dataset_kind()))
+    out += fmt::format("dataset {:<20} {}\n", with_defaults(recipe), recipe.summary);
   return out;
 }
 

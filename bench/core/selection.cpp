@@ -7,7 +7,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "datasets_gen/scenes/scene.hpp"
+#include "datasets_gen/knobs.hpp"
 
 namespace treeline::bench {
 namespace {
@@ -52,17 +52,18 @@ std::vector<BlockSpec> blocks_of(const Task& task, Profile profile, const std::s
     std::erase_if(out, [&](const BlockSpec& spec) { return spec.dataset != wish.name; });
     return out;
   }
-  const bool scenes = task.dataset_kind() == datasets::Kind::scene;
+  const auto with_knobs = datasets::knob_recipes(task.dataset_kind());
   std::vector<std::string> known;
-  if (scenes) known = datasets::scene_names();
+  for (const datasets::KnobRecipe& recipe : with_knobs) known.push_back(recipe.name);
   for (const datasets::Recipe& recipe : datasets::recipes())
     if (recipe.kind == task.dataset_kind()) known.push_back(recipe.name);
-  const bool is_known = (scenes && datasets::is_scene(wish.name)) ||  // with knobs, too
-                        std::find(known.begin(), known.end(), wish.name) != known.end();
+  const bool is_known = std::find(known.begin(), known.end(), wish.name) != known.end() ||
+                        std::any_of(with_knobs.begin(), with_knobs.end(),
+                                    [&](const auto& recipe) { return names(wish.name, recipe); });
   if (!in_profile && !is_known)
     throw UsageError(fmt::format("--dataset {}: {} has no dataset '{}'; it has {}", text, task.name(),
                                  wish.name, fmt::join(known, ", ")));
-  const std::size_t n = scenes ? default_scene_n : default_n;
+  const std::size_t n = with_knobs.empty() ? default_n : default_scene_n;
   return {{wish.name, wish.n == 0 ? n : wish.n, false}};
 }
 

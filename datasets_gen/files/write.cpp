@@ -168,11 +168,14 @@ void write_image_file(const Dataset& dataset, const std::filesystem::path& path,
 }  // namespace
 
 void write(const Dataset& dataset, const std::filesystem::path& path, bool overwrite) {
-  if (dataset.kind == Kind::scene) {  // no format here holds its light
+  if (dataset.kind == Kind::scene || dataset.kind == Kind::room) {  // no format here holds their light
     Dataset mesh;
-    mesh.kind = Kind::mesh, mesh.name = dataset.name, mesh.mesh = dataset.scene.mesh;
+    mesh.kind = Kind::mesh, mesh.name = dataset.name;
+    mesh.mesh = dataset.kind == Kind::scene ? dataset.scene.mesh : dataset.room.mesh;
     return write(mesh, path, overwrite);
   }
+  if (dataset.kind == Kind::surface)
+    throw FileError(path, "", "'" + dataset.name + "' is a material; no file holds it");
   std::string extension = path.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (dataset.kind == Kind::image) return write_image_file(dataset, path, extension, overwrite);

@@ -151,9 +151,9 @@ bool is_scene_of(const std::string& scene, const std::string& name) {
 
 std::vector<double> scene_knobs(const std::string& scene, const std::string& name) {
   std::vector<double> out;
-  for (const SceneRecipe& recipe : scene_recipes())
+  for (const KnobRecipe& recipe : scene_recipes())
     if (recipe.name == name)
-      for (const SceneKnob& knob : recipe.knobs) out.push_back(knob.value);
+      for (const Knob& knob : recipe.knobs) out.push_back(knob.value);
   std::size_t at = name.size();
   for (double& value : out) {
     if (at >= scene.size()) break;

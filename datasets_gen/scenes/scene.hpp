@@ -11,23 +11,12 @@
 #include <string_view>
 #include <vector>
 
-#include "datasets_gen/dataset.hpp"
+#include "datasets_gen/knobs.hpp"
 #include "shading/scene.hpp"
 
 namespace treeline::datasets {
 
-/// A number that may follow a scene's name; those left out, from the last on, are the default.
-struct SceneKnob {
-  std::string name;  ///< with its unit
-  double value, low, high;
-};
-
-struct SceneRecipe {
-  std::string name, summary;
-  std::vector<SceneKnob> knobs;
-};
-
-std::span<const SceneRecipe> scene_recipes();
+std::span<const KnobRecipe> scene_recipes();
 
 /// The names of scene_recipes(), in their order.
 std::vector<std::string> scene_names();

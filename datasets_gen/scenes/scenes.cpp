@@ -1,6 +1,5 @@
-// The table of scenes, and the reading of their names.
+// The table of scenes.
 #include <algorithm>
-#include <charconv>
 #include <stdexcept>
 
 #include "datasets_gen/scenes/parts.hpp"
@@ -9,7 +8,7 @@ namespace treeline::datasets {
 namespace {
 
 struct Entry {
-  SceneRecipe recipe;
+  KnobRecipe recipe;
   shading::Scene (*make)(const SceneJob&);
 };
 
@@ -51,45 +50,18 @@ const std::vector<Entry>& table() {
 
 constexpr std::size_t least_n = 12, largest_n = 10'000'000;
 
-/// The entry whose name the text is or begins with, before knobs; null if there is none.
+/// Null if there is none.
 const Entry* entry_of(std::string_view name) {
   for (const Entry& e : table())
-    if (name == e.recipe.name || name.starts_with(e.recipe.name + "_")) return &e;
+    if (names(name, e.recipe)) return &e;
   return nullptr;
-}
-
-std::string quoted(std::string_view text) { return std::string("'").append(text).append("'"); }
-
-std::vector<double> read_knobs(std::string_view name, const SceneRecipe& recipe) {
-  std::vector<double> knobs;
-  for (const SceneKnob& knob : recipe.knobs) knobs.push_back(knob.value);
-  std::string_view rest = name.substr(recipe.name.size());
-  const auto refuse = [&](const std::string& why) {
-    throw std::invalid_argument("scene '" + std::string(name) + "': " + why);
-  };
-  for (std::size_t k = 0; !rest.empty(); ++k) {
-    rest.remove_prefix(1);
-    const std::string_view text = rest.substr(0, rest.find('_'));
-    rest.remove_prefix(text.size());
-    if (k == knobs.size())
-      refuse(quoted(text) + " is one too many, " + recipe.name + " has " + std::to_string(knobs.size()) +
-             " knobs");
-    const SceneKnob& knob = recipe.knobs[k];
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), knobs[k]);
-    if (error != std::errc() || end != text.data() + text.size())
-      refuse(quoted(text) + " is no number for " + knob.name);
-    if (!(knobs[k] >= knob.low && knobs[k] <= knob.high))
-      refuse(knob.name + " is " + std::string(text) + "; it must be from " + std::to_string(knob.low) +
-             " to " + std::to_string(knob.high));
-  }
-  return knobs;
 }
 
 }  // namespace
 
-std::span<const SceneRecipe> scene_recipes() {
-  static const std::vector<SceneRecipe> list = [] {
-    std::vector<SceneRecipe> r;
+std::span<const KnobRecipe> scene_recipes() {
+  static const std::vector<KnobRecipe> list = [] {
+    std::vector<KnobRecipe> r;
     for (const Entry& e : table()) r.push_back(e.recipe);
     return r;
   }();
@@ -117,7 +89,7 @@ shading::Scene make_scene(std::string_view name, std::size_t n, std::uint64_t se
                                 std::to_string(least_n) + " to " + std::to_string(largest_n) + " triangles");
   Ticker ticker(progress);
   const Job job{n, seed, ticker};
-  shading::Scene scene = entry->make({job, read_knobs(name, entry->recipe)});
+  shading::Scene scene = entry->make({job, read_knobs("scene", name, entry->recipe)});
   scene.name = name;
   return scene;
 }
