@@ -1,0 +1,75 @@
+// Directions to a triangle, evenly over the spherical triangle that it subtends.
+//
+// Source: Arvo 1995: u cuts off a smaller triangle by its area, v goes along the cut. His formulas take
+// angles of the corners, whose sum less pi is the area: for small triangles nothing is left of it. Here the
+// area E stands in tan(E / 2) = tan(b / 2) tan(c / 2) sin A / (1 + tan(b / 2) tan(c / 2) cos A), which gives
+// the cut side b directly; sides and angles come from the triangle's edges, not from differences of
+// directions. Relative errors stay at some 1e-15 for triangles of any size, over the sine of the elevation
+// above their plane. Cost: some 60 ns to set up, 40 a sample. Known weakness: no cosine, no horizon.
+#pragma once
+
+#include "shading/light/solid_angle.hpp"
+
+namespace treeline::shading::light {
+
+class SphericalTriangle {
+ public:
+  /// From any side. From a point of its plane, and of a triangle without area, the solid angle is 0, and
+  /// there is nothing to sample.
+  SphericalTriangle(const Triangle3d& triangle, const Vec3d& from) {
+    const Vec3d a = triangle.a - from, b = triangle.b - from;
+    corners_ = {a, b, triangle.c - from};
+    const Vec3d ab = triangle.b - triangle.a, ac = triangle.c - triangle.a;
+    const double la = length(a), lb = length(b), volume = dot(a, cross(ab, ac));
+    solid_angle_ = triangle_solid_angle(triangle, from);
+    if (!(solid_angle_ > 0)) return;
+    // Normals of the planes through the point and the edges at a: the angle between them is the corner's.
+    const Vec3d nb = cross(a, ab), nc = cross(a, ac);
+    const double sine = la * std::abs(volume), cosine = dot(nb, nc), scale = std::hypot(sine, cosine);
+    sin_a_ = sine / scale, cos_a_ = cosine / scale;
+    one_minus_cos_a_ = cos_a_ > 0 ? sin_a_ * sin_a_ / (1 + cos_a_) : 1 - cos_a_;
+    tan_half_c_ = length(nb) / (la * lb + dot(a, b));
+    unit_b_ = b / lb;
+    toward_a_ = normalized(cross(cross(b, triangle.a - triangle.b), b));
+    inward_ = cross(unit_b_, toward_a_);  // its sign: to the side of c
+    if (volume > 0) inward_ = -inward_;
+  }
+
+  double solid_angle() const { return solid_angle_; }
+  /// Per steradian, of each direction within the triangle.
+  double pdf() const { return 1 / solid_angle_; }
+
+  /// Unit; u, v in [0, 1). The solid angle must not be 0.
+  Vec3d sample(double u, double v) const {
+    const double half = 0.5 * u * solid_angle_, s = std::sin(half), c = std::cos(half);
+    const double p = tan_half_c_, q = s,
+                 r = std::max(0.0, p * (sin_a_ * c - cos_a_ * s));  // tan(b / 2) = q / r
+    // Of the cut-off side b and of side c: sines, cosines, and what is common to both.
+    const double nb = q * q + r * r, nc = 1 + p * p;
+    const double sin_b = 2 * q * r / nb, sin_c = 2 * p / nc, cos_c = (1 - p * p) / nc;
+    const double cross_half = q - p * r, dot_half = r + p * q;  // of half the difference b - c
+    // The cut from corner b to the end of the cut-off side: 1 - cos by the law of haversines, its direction
+    // by the rule of four parts.
+    const double cut = 2 * cross_half * cross_half / (nb * nc) + sin_b * sin_c * one_minus_cos_a_;
+    const double y = sin_a_ * sin_b,
+                 x = -2 * cross_half * dot_half / (nb * nc) + cos_c * sin_b * one_minus_cos_a_;
+    const double scale = std::hypot(x, y), t = v * cut, along = std::sqrt(std::max(0.0, t * (2 - t)));
+    if (!(scale > 0)) return unit_b_;
+    return unit_b_ * (1 - t) + toward_a_ * (along * x / scale) + inward_ * (along * y / scale);
+  }
+
+  bool contains(const Vec3d& direction) const {
+    const auto& [a, b, c] = corners_;
+    const double side = dot(a, cross(b, c));
+    return side * dot(direction, cross(b, c)) >= 0 && side * dot(direction, cross(c, a)) >= 0 &&
+           side * dot(direction, cross(a, b)) >= 0;
+  }
+
+ private:
+  std::array<Vec3d, 3> corners_{};
+  double solid_angle_ = 0;
+  double sin_a_ = 0, cos_a_ = 1, one_minus_cos_a_ = 0, tan_half_c_ = 0;
+  Vec3d unit_b_{}, toward_a_{}, inward_{};  // unit; the last two span what is across the first
+};
+
+}  // namespace treeline::shading::light
