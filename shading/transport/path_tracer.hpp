@@ -1,0 +1,240 @@
+// Monte Carlo path tracing: the light that reaches a camera, or any other rays, without bias.
+//
+// Problem: Kajiya's rendering equation (1986). Method: paths from the camera; at each surface a point of the
+// emitters is drawn and seen or hidden (next event), a direction is drawn, what it meets emits, and both
+// weights add up to one (multiple importance sampling, Veach and Guibas 1995); paths end by Russian roulette
+// (Arvo and Kirk 1990), after the light that was drawn has been added, and all that comes later is divided by
+// the probability. Every choice of options has the same mean. Paths advance in waves, all by one surface
+// before any of them by the next (van Antwerpen 2011), so that a tree gets rays by the thousand. Cost: two
+// rays a surface, and 160 bytes a path in a wave. Known weakness: light that reaches a surface through glass
+// or a mirror only (caustics) of a small emitter is met by chance alone.
+#pragma once
+
+#include <atomic>
+#include <span>
+
+#include "geometry/sampling.hpp"
+#include "shading/transport/blocks.hpp"
+#include "shading/transport/camera_rays.hpp"
+#include "shading/transport/path_points.hpp"
+#include "shading/transport/ray_batch.hpp"
+#include "shading/transport/surfaces.hpp"
+
+namespace treeline::shading::transport {
+
+template <accel::RayIndex Index>
+class PathTracer {
+ public:
+  /// The index, over the scene's mesh, must outlive this. Throws as Surfaces and CameraRays do, and
+  /// InvalidOptions.
+  PathTracer(const Index& index, const LitScene& scene, const PathOptions& options = {})
+      : index_(&index),
+        surfaces_(scene),
+        options_(options),
+        points_(options.points, std::max(1, options.set), options.seed),
+        camera_(scene.camera),
+        width_(scene.camera.width),
+        height_(scene.camera.height) {
+    check_options(options);
+  }
+
+  /// Without samples, for render(): of the camera's size.
+  Film film() const { return film(width_, height_); }
+  Film film(int width, int height) const {
+    return Film(width, height, options_.points == Points::random ? 1 : options_.set);
+  }
+
+  /// Adds so many samples to every pixel of a film of the camera's size. The film is the same, bit by bit,
+  /// for any number of threads and however the samples are shared between calls. Throws InvalidOptions for a
+  /// film of another size or of other sets, and samples < 0.
+  RayCounts render(Film& film, int samples, int threads = 1) const {
+    if (film.width() != width_ || film.height() != height_)
+      throw InvalidOptions("the film has " + std::to_string(film.width()) + " × " +
+                           std::to_string(film.height()) + " pixels, the camera " + std::to_string(width_) +
+                           " × " + std::to_string(height_));
+    return render(film, samples, threads, camera_);
+  }
+  /// Along other rays: source(pixel, u, v), for u and v in [0, 1), gives a ray of unit direction, and is
+  /// called by many threads at once. Pixels of any film must have the same number of samples.
+  template <class Source>
+  RayCounts render(Film& film, int samples, int threads, const Source& source) const {
+    if (samples < 0)
+      throw InvalidOptions("samples is " + std::to_string(samples) + "; it must not be negative");
+    if (film.set() != this->film(1, 1).set())
+      throw InvalidOptions("the film has sets of " + std::to_string(film.set()) + " samples, the options " +
+                           std::to_string(this->film(1, 1).set()));
+    const std::uint64_t done = film.samples(0);
+    std::atomic<std::uint64_t> rays = 0, shadow_rays = 0;
+    each_block(film.size(), static_cast<std::uint64_t>(samples), wave_size, threads, [&] {
+      return [&, wave = Wave(wave_size)](const Block& block) mutable {
+        begin(wave, block, done, source);
+        trace(wave);
+        for (std::size_t p = 0, i = 0; p < block.pixels; ++p)
+          for (std::size_t s = 0; s < block.samples; ++s) film.add(block.first_pixel + p, wave.radiance[i++]);
+        rays += wave.rays_cast, shadow_rays += wave.shadow_rays_cast;
+      };
+    });
+    return {film.size() * static_cast<std::uint64_t>(samples), rays, shadow_rays};
+  }
+
+  const PathOptions& options() const { return options_; }
+
+ private:
+  using Scalar = typename Index::Scalar;
+  using Ray = typename Index::Ray;
+  using Vec3f = geometry::Vec3f;
+  using Vertex = Surfaces::Vertex;
+
+  static constexpr std::size_t wave_size = 4096;
+  static constexpr float infinity = std::numeric_limits<float>::infinity();
+  static constexpr float pi = std::numbers::pi_v<float>;
+
+  struct Path {
+    Rgb throughput;
+    float pdf;  // of the ray's direction, per steradian; infinite where no emitter's point was drawn for it
+    PathKey key;
+    std::uint32_t slot;  // of its radiance
+  };
+  struct Shadow {
+    Rgb light;  // if it is not hidden
+    std::uint32_t slot;
+  };
+  struct Wave {
+    explicit Wave(std::size_t n)
+        : rays(n), hits(n), paths(n), radiance(n), shadow_rays(n), shadows(n), hidden(n) {}
+
+    std::size_t size = 0, shadow_size = 0;  // of those under way
+    std::vector<Ray> rays;
+    std::vector<accel::Hit<Scalar>> hits;
+    std::vector<Path> paths;
+    std::vector<Rgb> radiance;
+    std::vector<Ray> shadow_rays;
+    std::vector<Shadow> shadows;
+    std::vector<std::uint8_t> hidden;
+    std::uint64_t rays_cast = 0, shadow_rays_cast = 0;  // for this block
+  };
+  template <class Source>
+  void begin(Wave& wave, const Block& block, std::uint64_t done, const Source& source) const {
+    wave.size = 0, wave.rays_cast = wave.shadow_rays_cast = 0;
+    for (std::size_t p = 0; p < block.pixels; ++p)
+      for (std::size_t s = 0; s < block.samples; ++s) {
+        const PathKey key = points_.key(block.first_pixel + p, done + block.first_sample + s);
+        const Pair at = points_.pair(key, 0);
+        wave.rays[wave.size] = cast_ray<Ray>(source(block.first_pixel + p, at.u, at.v));
+        wave.paths[wave.size] = {Rgb::filled(1), infinity, key, static_cast<std::uint32_t>(wave.size)};
+        wave.radiance[wave.size++] = {};
+      }
+  }
+
+  void trace(Wave& wave) const {
+    for (int bounce = 0; wave.size > 0; ++bounce) {
+      closest_hits(*index_, std::span<const Ray>(wave.rays.data(), wave.size),
+                   std::span(wave.hits.data(), wave.size),
+                   bounce == 0 ? accel::RayBatch::packets : accel::RayBatch::automatic);
+      wave.rays_cast += wave.size;
+      advance(wave, bounce);
+      any_hits(*index_, std::span<const Ray>(wave.shadow_rays.data(), wave.shadow_size),
+               std::span(wave.hidden.data(), wave.shadow_size), accel::RayBatch::automatic);
+      wave.shadow_rays_cast += wave.shadow_size;
+      for (std::size_t i = 0; i < wave.shadow_size; ++i)
+        if (!wave.hidden[i]) wave.radiance[wave.shadows[i].slot] += wave.shadows[i].light;
+    }
+  }
+
+  /// Every path takes what its hit emits, asks for a point of the emitters, and goes on or ends.
+  void advance(Wave& wave, int bounce) const {
+    const std::size_t n = wave.size;
+    wave.size = wave.shadow_size = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const accel::Hit<Scalar> hit = wave.hits[i];
+      Path path = wave.paths[i];
+      if (!hit) {
+        wave.radiance[path.slot] += times(path.throughput, surfaces_.background());
+        continue;
+      }
+      const Vec3f origin(wave.rays[i].origin), direction(wave.rays[i].direction);
+      const float t = static_cast<float>(hit.t);
+      const Vertex at = surfaces_.meet(origin, direction, t, hit.primitive);
+      if (at.material->emits && at.cosine > 0)
+        wave.radiance[path.slot] +=
+            times(path.throughput, at.material->emission) * met_weight(path.pdf, hit.primitive, t, at.cosine);
+      if (bounce == options_.max_bounces) continue;
+      const std::uint32_t place = 1 + 4 * static_cast<std::uint32_t>(bounce);
+      if (options_.lights != Lights::none && !surfaces_.emitters().empty() && !at.material->bsdf.delta())
+        draw_light(wave, path, at, place);
+      if (!scatter(path, at, place, bounce, wave.rays[wave.size])) continue;
+      wave.paths[wave.size++] = path;
+    }
+  }
+
+  /// Of an emitter's light that the path meets: how much of it counts here and not where points are drawn.
+  float met_weight(float pdf, std::uint32_t face, float t, float cosine) const {
+    if (options_.lights == Lights::none || pdf == infinity) return 1;
+    if (options_.lights == Lights::next_event) return 0;
+    return power_weight(pdf, surfaces_.pdf_of_light(face, t, cosine));
+  }
+  static float power_weight(float pdf, float other) {
+    const float ratio = other / pdf;
+    return 1 / (1 + ratio * ratio);
+  }
+
+  /// Asks for a ray to a point of the emitters, with the light that it would bring.
+  void draw_light(Wave& wave, const Path& path, const Vertex& at, std::uint32_t place) const {
+    const Pair on_face = points_.pair(path.key, place + 1);
+    const Surfaces::LightPoint to =
+        surfaces_.light(at, points_.number(path.key, place), on_face.u, on_face.v);
+    if (to.pdf == 0) return;
+    const bool diffuse = at.material->kind == SurfaceKind::diffuse;
+    const Rgb reflected = diffuse ? at.material->albedo * (1 / pi) : at.material->bsdf.eval(to.in, at.out);
+    float weight = to.in[2] / to.pdf;
+    if (options_.lights == Lights::mis) {
+      const float pdf = options_.directions == Directions::uniform ? 1 / (2 * pi)
+                        : diffuse || options_.directions == Directions::cosine
+                            ? to.in[2] * (1 / pi)
+                            : at.material->bsdf.pdf(to.in, at.out);
+      weight *= power_weight(to.pdf, pdf);
+    }
+    const Rgb light = times(times(path.throughput, reflected), to.emission) * weight;
+    if (!(largest(light) > 0)) return;
+    wave.shadow_rays[wave.shadow_size] = cast_ray<Ray>(to.ray);
+    wave.shadows[wave.shadow_size++] = {light, path.slot};
+  }
+
+  /// Draws the path's next direction; false if it ends.
+  bool scatter(Path& path, const Vertex& at, std::uint32_t place, int bounce, Ray& next) const {
+    const Pair on_sphere = points_.pair(path.key, place + 2), rest = points_.pair(path.key, place + 3);
+    const Surfaces::Material& material = *at.material;
+    const bool diffuse = material.kind == SurfaceKind::diffuse;
+    Vec3f in;
+    if (material.bsdf.delta() || (options_.directions == Directions::bsdf && !diffuse)) {
+      const brdf::BsdfSample<float> s = material.bsdf.sample(at.out, rest.u, on_sphere.u, on_sphere.v);
+      in = s.wi, path.pdf = s.delta ? infinity : s.pdf;
+      path.throughput = times(path.throughput, s.weight);
+    } else {
+      const bool uniform = options_.directions == Directions::uniform;
+      in = uniform ? geometry::sample_hemisphere(on_sphere.u, on_sphere.v)
+                   : geometry::sample_hemisphere_cosine(on_sphere.u, on_sphere.v);
+      path.pdf = uniform ? 1 / (2 * pi) : in[2] * (1 / pi);
+      const Rgb reflected = diffuse ? material.albedo * (1 / pi) : material.bsdf.eval(in, at.out);
+      path.throughput = times(path.throughput, reflected) * (uniform ? in[2] * (2 * pi) : pi);
+    }
+    if (!(largest(path.throughput) > 0)) return false;
+    // Glass keeps all light: a path that enters it carries less for a while, as it takes less solid angle.
+    if (options_.survival && material.kind != SurfaceKind::glass) {
+      const float survives = options_.survival(bounce, path.throughput);
+      if (!(rest.v < survives)) return false;
+      path.throughput = path.throughput / std::min(1.0f, survives);
+    }
+    next = cast_ray<Ray>(surfaces_.leaving(at, in));
+    return true;
+  }
+
+  const Index* index_;
+  Surfaces surfaces_;
+  PathOptions options_;
+  PathPoints points_;
+  CameraRays camera_;
+  int width_, height_;
+};
+
+}  // namespace treeline::shading::transport

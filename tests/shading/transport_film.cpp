@@ -1,0 +1,105 @@
+// Films: sums that do not stop growing, and estimates against the formulas they stand for.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "geometry/random.hpp"
+#include "shading/transport/film.hpp"
+
+namespace treeline::shading::transport {
+namespace {
+
+TEST(Film, SurvivesAHundredMillionSamples) {
+  Film film(1, 1);
+  geometry::Pcg32 random(1);
+  float single = 0;
+  double exact_quarters = 0;  // multiples of 2^-8 below 2^30: every sum is exact
+  for (int i = 0; i < 100'000'000; ++i) {
+    const float x = static_cast<float>(random.next() >> 24) * 0x1p-8f;
+    film.add(0, {x, 1, 0.1f});
+    single += 1.0f;
+    exact_quarters += static_cast<double>(x);
+  }
+  EXPECT_EQ(single, 16777216.0f) << "what the film must not do";
+  EXPECT_EQ(film.mean(0)[0], exact_quarters / 1e8);
+  EXPECT_EQ(film.mean(0)[1], 1);
+  EXPECT_NEAR(film.mean(0)[2], double(0.1f), 1e-8);
+  // Of numbers spread evenly over 0 … 255/256.
+  EXPECT_NEAR(film.standard_error(0)[0] * 1e4, std::sqrt((1 - 0x1p-16) / 12), 1e-4);
+}
+
+struct Moments {
+  double mean, error, kurtosis, largest_share;
+};
+Moments by_definition(const std::vector<double>& x, std::size_t set) {
+  const double n = static_cast<double>(x.size());
+  double sum = 0, largest = 0;
+  for (const double v : x) sum += v, largest = std::max(largest, v);
+  const double mean = sum / n;
+  double second = 0, fourth = 0;
+  for (const double v : x) second += std::pow(v - mean, 2) / n, fourth += std::pow(v - mean, 4) / n;
+  const std::size_t sets = x.size() / set;
+  std::vector<double> means(sets);
+  double all = 0, squares = 0;
+  for (std::size_t s = 0; s < sets; ++s) {
+    for (std::size_t i = 0; i < set; ++i) means[s] += x[s * set + i] / double(set);
+    all += means[s] / double(sets);
+  }
+  for (const double m : means) squares += (m - all) * (m - all);
+  return {mean, std::sqrt(squares / double(sets - 1) / double(sets)), fourth / (second * second),
+          largest / sum};
+}
+
+TEST(Film, EstimatesAreThoseOfTheirDefinitions) {
+  geometry::Pcg32 random(2);
+  for (const int set : {1, 4}) {
+    Film film(2, 1, set);
+    std::vector<double> x;
+    for (int i = 0; i < 83; ++i) {
+      const float v = std::exp(3 * random.uniform<float>());
+      x.push_back(double(v));
+      film.add(1, {v, v, v});
+    }
+    const Moments truth = by_definition(x, static_cast<std::size_t>(set));
+    EXPECT_NEAR(film.mean(1)[2], truth.mean, 1e-6);
+    EXPECT_NEAR(film.standard_error(1)[2], truth.error, 1e-6 * truth.error);
+    EXPECT_NEAR(film.kurtosis(1), truth.kurtosis, 1e-4);
+    EXPECT_NEAR(film.largest_share(1), truth.largest_share, 1e-6);
+    EXPECT_EQ(film.samples(1), 83u);
+    EXPECT_EQ(film.samples(0), 0u);
+  }
+}
+
+TEST(Film, KnowsNoErrorBeforeTwoSets) {
+  Film film(1, 1, 4);
+  EXPECT_EQ(film.mean(0)[0], 0);
+  EXPECT_EQ(film.kurtosis(0), 0);
+  EXPECT_EQ(film.largest_share(0), 0);
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_TRUE(std::isinf(film.standard_error(0)[0])) << i;
+    EXPECT_TRUE(std::isinf(film.relative_error())) << i;
+    film.add(0, {1, 1, 1});
+  }
+  EXPECT_EQ(film.standard_error(0)[0], 0);
+  EXPECT_EQ(film.relative_error(), 0);
+}
+
+TEST(Film, ImagesHoldMeansAndErrors) {
+  Film film(2, 1);
+  film.add(0, {1, 2, 3}), film.add(0, {3, 4, 5});
+  film.add(1, {1, 1, 1}), film.add(1, {1, 1, 1});
+  const Image image = film.image(), errors = film.errors();
+  EXPECT_EQ(image.values, (std::vector<float>{2, 3, 4, 1, 1, 1}));
+  EXPECT_EQ(errors.values, (std::vector<float>{1, 1, 1, 0, 0, 0}));
+  EXPECT_NEAR(film.relative_error(), std::sqrt(0.5) / 2, 1e-12);
+}
+
+TEST(Film, RefusesNoPixels) {
+  EXPECT_THROW(Film(0, 1), InvalidOptions);
+  EXPECT_THROW(Film(1, -1), InvalidOptions);
+  EXPECT_THROW(Film(1, 1, 0), InvalidOptions);
+}
+
+}  // namespace
+}  // namespace treeline::shading::transport
