@@ -28,6 +28,13 @@ struct EmitterSample {
   float pdf_area = 0;        ///< 1 / m², the choice of the face included
 };
 
+/// A face alone, drawn by one number of which a part is left to draw from.
+struct EmitterChoice {
+  std::uint32_t face = 0;
+  double probability = 0;
+  double rest = 0;  ///< in [0, 1), evenly, whatever the face
+};
+
 class Emitters {
  public:
   /// Keeps what it needs of the scene. Faces without area emit nothing. Throws InvalidLight if faces and
@@ -41,13 +48,16 @@ class Emitters {
 
   /// choice, u, v in [0, 1): of the face, of the point on it. Not to be called where empty().
   EmitterSample sample(double choice, float u, float v) const {
-    const std::size_t n = faces_.size();
-    std::size_t i = guesses_[std::min(n - 1, static_cast<std::size_t>(choice * static_cast<double>(n)))];
-    while (i + 1 < n && sums_[i] <= choice) ++i;
-    const Face& f = faces_[i];
+    const Face& f = faces_[place_of(choice)];
     const geometry::Vec3f w = geometry::sample_triangle(u, v);
     return {f.face, f.corners.a * w[0] + f.corners.b * w[1] + f.corners.c * w[2], f.normal, f.emission,
             f.pdf_area};
+  }
+  EmitterChoice choose(double choice) const {
+    const std::size_t i = place_of(choice);
+    const double before = i > 0 ? sums_[i - 1] : 0, probability = sums_[i] - before;
+    return {faces_[i].face, probability,
+            std::clamp((choice - before) / probability, 0.0, 0x1.fffffffffffffp-1)};
   }
 
   /// Density at which sample() draws any point of a face of the scene; 0 if the face does not emit. 1 / m².
@@ -64,6 +74,13 @@ class Emitters {
     float pdf_area;
     std::uint32_t face;
   };
+
+  std::size_t place_of(double choice) const {
+    const std::size_t n = faces_.size();
+    std::size_t i = guesses_[std::min(n - 1, static_cast<std::size_t>(choice * static_cast<double>(n)))];
+    while (i + 1 < n && sums_[i] <= choice) ++i;
+    return i;
+  }
 
   std::vector<Face> faces_;
   std::vector<double> sums_;            // of the probabilities, up to and with each of faces_

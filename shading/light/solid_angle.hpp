@@ -55,6 +55,14 @@ inline double triangle_solid_angle(const Triangle3d& t, const Vec3d& from) {
   return 2 * std::atan2(volume, la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
 
+/// True if a triangle covers the direction, from either side; false for all from a point of its plane.
+inline bool triangle_covers(const Triangle3d& t, const Vec3d& from, const Vec3d& direction) {
+  const Vec3d a = t.a - from, b = t.b - from, c = t.c - from, ab = cross(a, b);
+  const double side = dot(c, ab);
+  return side * dot(direction, ab) >= 0 && side * dot(direction, cross(b, c)) >= 0 &&
+         side * dot(direction, cross(c, a)) >= 0 && side != 0;
+}
+
 /// Of the rectangle middle ± u ± v, with u and v perpendicular and not zero, from either side.
 inline double rectangle_solid_angle(const Vec3d& middle, const Vec3d& u, const Vec3d& v, const Vec3d& from) {
   const Vec3d to = middle - from;
