@@ -11,11 +11,10 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "shading/brdf/batch.hpp"
 #include "shading/brdf/batch_math.hpp"
+#include "shading/brdf/batch_roughness.hpp"
 
 namespace treeline::shading::brdf {
 
@@ -23,19 +22,6 @@ namespace treeline::shading::brdf {
 enum class VisibleNormals { caps, bounded };
 
 namespace batch {
-
-/// Roughness as kernels need it.
-struct Roughness {
-  float x, y, inverse_x, inverse_y;
-  float peak;  ///< 1/(π αx αy), the distribution at the normal
-
-  Roughness(double alpha_x, double alpha_y)
-      : x(static_cast<float>(alpha_x)),
-        y(static_cast<float>(alpha_y)),
-        inverse_x(static_cast<float>(1 / alpha_x)),
-        inverse_y(static_cast<float>(1 / alpha_y)),
-        peak(static_cast<float>(1 / (std::numbers::pi * alpha_x * alpha_y))) {}
-};
 
 class GgxLobe {
  public:

@@ -74,6 +74,19 @@ inline Floats inverse_root(Floats a) {
 inline Floats root(Floats a) { return a * inverse_root(a); }
 #endif
 
+/// values[index] by lane.
+inline Floats gathered(const float* values, Ints index) {
+#if TREELINE_SIMD == 512
+  return (Floats)_mm512_mask_i32gather_ps(_mm512_setzero_ps(), 0xffff, (__m512i)index, values, 4);
+#elif TREELINE_SIMD == 256
+  return (Floats)_mm256_i32gather_ps(values, (__m256i)index, 4);
+#else
+  Floats a;
+  for (std::size_t i = 0; i < lanes; ++i) a[i] = values[index[i]];
+  return a;
+#endif
+}
+
 /// Lanes that are entries `first` and following of arrays, as many as a register holds.
 struct WholeRegister {
   std::size_t first;

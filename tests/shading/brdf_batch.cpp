@@ -173,6 +173,68 @@ TEST(BrdfBatch, GgxSamplesAreThoseOfTheScalarModelInDouble) {
       }
 }
 
+/// Share of the facets seen whose slope along the view is above s, in the space of roughness 1.
+double seen_beyond(double cosine, double sine, double s) {
+  return 0.5 * (cosine * std::erfc(s) + sine * std::exp(-s * s) * std::numbers::inv_sqrtpi);
+}
+
+TEST(BrdfBatch, BeckmannSlopesAreSeenAsOftenAsAsked) {
+  using namespace batch;
+  Pcg32 random(8);
+  Worst share;
+  for (int i = 0; i < 20'000; ++i) {
+    const double kind = random.uniform();
+    const double tilt = kind < 0.3   ? std::pow(10.0, -6 * random.uniform())
+                        : kind < 0.6 ? pi / 2 - std::pow(10.0, -6 * random.uniform())
+                                     : pi / 2 * random.uniform();
+    const float cosine = float(std::cos(tilt)), sine = float(std::sin(tilt)), end = random.uniform<float>();
+    const float u = i % 3 == 0 ? end : i % 3 == 1 ? end * end * end : 1 - 0x1p-24f - end * end * end * 0.999f;
+    const double c = double(cosine), s = double(sine), seen = seen_beyond(c, s, -std::min(7.0, c / s));
+    const float slope =
+        visible_slope(floats(cosine), floats(sine), floats(cosine / sine), floats(float(seen)), floats(u))[0];
+    share.add(seen_beyond(c, s, double(slope)) / seen, double(u), 1, {tilt, 0, 0}, {double(slope), 0, 0});
+  }
+  EXPECT_LE(share.error, 1e-6) << share.where;
+}
+
+// The same u and v give the same direction, weight and density, within a share of 1e-6 of the facets seen:
+// over the density of slopes, that is how far slopes may be apart.
+TEST(BrdfBatch, BeckmannSamplesAreThoseOfTheScalarModelInDouble) {
+  constexpr std::size_t n = 3000;
+  Pcg32 random(6);
+  Arrays wo, wi(n);
+  std::vector<float> u(n), v(n), weight(n), pdf(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    wo.add(random_direction(random));
+    u[i] = random.uniform<float>(), v[i] = random.uniform<float>();
+  }
+  for (const Alpha& a : alphas)
+    for (const Masking masking : maskings) {
+      SCOPED_TRACE(testing::Message() << a.x << " " << a.y << " masking " << int(masking));
+      const Beckmann<double> normals{a.x, a.y};
+      BatchBeckmann(a.x, a.y, masking).sample(wo, u, v, wi.out(), weight, pdf);
+      Worst x, w, p;
+      for (std::size_t i = 0; i < n; ++i) {
+        const Vec3d o = wo[i], h = sample_visible(normals, o, double(u[i]), double(v[i]));
+        const Vec3d truth = reflected(o, h), view = geometry::normalized(Vec3d{a.x * o[0], a.y * o[1], o[2]});
+        const double c = view[2], s = std::hypot(view[0], view[1]);
+        const double along = detail::visible_slope(c, s, double(u[i]));
+        const double density = (c + s * along) * std::exp(-along * along) * std::numbers::inv_sqrtpi /
+                               seen_beyond(c, s, -std::min(7.0, c / s));
+        const double apart = (1 + 1 / density) * std::max({1.0, a.x, a.y});
+        for (int k = 0; k < 3; ++k) x.add(wi[i][k], truth[k], apart, wi[i], o);
+        if (!(truth[2] > 1e-5 * apart) || apart > 1e3)
+          continue;  // which side of the horizon rounding may decide
+        const double area = normals.projected_area(o), d = normals.d(h);
+        w.add(weight[i], truth[2] * area * smith_g2_by_cosines(normals, masking, truth, o), apart, wi[i], o);
+        if (d / area < 1e37) p.add(pdf[i], 0.25 * d / area, 0.25 * d / area * apart, wi[i], o);
+      }
+      EXPECT_LE(x.error, 3e-6) << x.where;
+      EXPECT_LE(w.error, 3e-5) << w.where;
+      EXPECT_LE(p.error, 2e-5) << p.where;
+    }
+}
+
 /// A square of stratified midpoints.
 struct Grid {
   std::vector<float> u, v;
@@ -237,6 +299,30 @@ TEST(BrdfBatch, AlbedoIsThatOfTheClosedForm) {
   }
 }
 
+// The albedo of facets by the weights of samples and by the values of all directions.
+TEST(BrdfBatch, BeckmannSamplesAndValuesGiveOneAlbedo) {
+  const Grid grid(512);
+  const std::size_t n = grid.u.size();
+  Arrays wi(n);
+  std::vector<float> weight(n), pdf(n), f(n);
+  for (const Masking masking : maskings)
+    for (const double mu : {0.2, 0.7, 1.0}) {
+      const BatchBeckmann lobe(0.4, 0.7, masking);
+      const Vec3f wo(direction(mu, 0.3));
+      lobe.sample(wo, grid.u, grid.v, wi.out(), weight, pdf);
+      double sampled = 0, valued = 0;
+      for (const float w : weight) sampled += double(w);
+      for (std::size_t i = 0; i < n; ++i) {
+        const Vec3d w = direction(1 - double(grid.v[i]), 2 * pi * double(grid.u[i]));
+        wi.x[i] = float(w[0]), wi.y[i] = float(w[1]), wi.z[i] = float(w[2]);
+      }
+      lobe.eval(wi, wo, f);
+      for (std::size_t i = 0; i < n; ++i) valued += 2 * pi * double(f[i]) * double(wi.z[i]);
+      // What the grid leaves to the samples' mean; it halves with twice the side.
+      EXPECT_NEAR(sampled / double(n), valued / double(n), 3e-4) << mu;
+    }
+}
+
 // Arrays of any length: the same bits as one entry at a time, and nothing is written behind the last.
 TEST(BrdfBatch, LengthChangesNothing) {
   constexpr std::size_t most = 2 * batch::lanes + 3;
@@ -255,12 +341,14 @@ TEST(BrdfBatch, LengthChangesNothing) {
   };
   // All answers for entries [first, first + n), each array with one more float than is asked for.
   const auto answers = [&](std::size_t first, std::size_t n) {
-    std::vector<std::vector<float>> a(8, std::vector<float>(n + 1, -7.0f));
+    std::vector<std::vector<float>> a(13, std::vector<float>(n + 1, -7.0f));
     const auto to = [&](std::size_t k) { return std::span(a[k]).first(n); };
     const Directions wi = part(in, first, n), wo = part(out, first, n);
     ggx.eval(wi, wo, to(0)), ggx.pdf(wi, wo, to(1)), beckmann.eval(wi, wo, to(2));
     ggx.sample(wo, std::span(u).subspan(first, n), std::span(v).subspan(first, n), {to(3), to(4), to(5)},
                to(6), to(7));
+    beckmann.sample(wo, std::span(u).subspan(first, n), std::span(v).subspan(first, n),
+                    {to(8), to(9), to(10)}, to(11), to(12));
     return a;
   };
   std::vector<std::vector<std::vector<float>>> single;
@@ -321,22 +409,21 @@ TEST(BrdfBatch, HostileDirectionsGetNumbers) {
               << " roughness " << a.x << " " << a.y;
         }
       };
-      const BatchBeckmann beckmann(a.x, a.y, masking);
-      beckmann.eval(wi, wo, f), beckmann.pdf(wi, wo, p);
-      check_above(f), check_above(p);
-      for (const VisibleNormals normals : {VisibleNormals::caps, VisibleNormals::bounded}) {
-        const BatchGgx ggx(a.x, a.y, masking, normals);
-        ggx.eval(wi, wo, f), ggx.pdf(wi, wo, p);
+      const auto check = [&](const auto& lobe) {
+        lobe.eval(wi, wo, f), lobe.pdf(wi, wo, p);
         check_above(f), check_above(p);
-        ggx.sample(wo, u, v, to.out(), weight, p);
+        lobe.sample(wo, u, v, to.out(), weight, p);
         for (std::size_t i = 0; i < n; ++i) {
           ASSERT_TRUE(weight[i] >= 0 && weight[i] <= 1.000001f && p[i] >= 0)
               << weight[i] << " " << p[i] << " at " << testing::PrintToString(wo[i].v) << u[i] << " " << v[i]
               << " roughness " << a.x << " " << a.y;
-          ASSERT_EQ(weight[i] > 0, p[i] > 0);
+          ASSERT_TRUE(p[i] > 0 || weight[i] == 0);
           ASSERT_TRUE(std::isfinite(to.x[i]) && std::isfinite(to.y[i]) && std::isfinite(to.z[i]));
         }
-      }
+      };
+      check(BatchBeckmann(a.x, a.y, masking));
+      for (const VisibleNormals normals : {VisibleNormals::caps, VisibleNormals::bounded})
+        check(BatchGgx(a.x, a.y, masking, normals));
     }
 }
 
@@ -386,6 +473,20 @@ TEST(BrdfBatch, FunctionsKeepTheirStatedErrors) {
   EXPECT_LE(
       worst(0, 87, [](float x) { return std::abs(exp_of_negative(floats(x))[0] * std::exp(double(x)) - 1); }),
       3e-7);
+  EXPECT_LE(worst(-120, 120,
+                  [](float e) {
+                    const float x = std::exp2(e);
+                    const double truth = std::log(double(x));
+                    return std::abs(double(log_of(floats(x))[0]) - truth) / (1 + std::abs(truth));
+                  }),
+            1e-7);
+  EXPECT_LE(worst(-6, 6,
+                  [](float a) {  // towards either end
+                    const float x = std::tanh(a);
+                    return std::abs(std::erf(double(erf_inverse_of(floats(x))[0])) - double(x)) /
+                           (1 - std::abs(double(x)) + 0.1);
+                  }),
+            3e-6);
   EXPECT_EQ(exp_of_negative(floats(88))[0], 0);
   EXPECT_EQ(exp_of_negative(floats(INFINITY))[0], 0);
   const auto by_exponent = [](auto&& error) {
