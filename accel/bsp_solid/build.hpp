@@ -3,7 +3,9 @@
 //
 // A node takes a plane, keeps the pieces that lie in it (a list; a face is never cut by its own plane) and
 // passes the others on, cut where they cross it. A side that nothing is left for is a leaf: behind its faces
-// it is inside the solid, in front outside. Planes across an axis are taken only where both sides have
+// it is inside the solid, in front outside. That needs a surface that does not cross itself: faces that run
+// through each other are refused, exactly, as they meet; what escapes is a pair that meets along a line in
+// the plane of a third that is taken first. Planes across an axis are taken only where both sides have
 // pieces, so that a face always tells. Sources: Fuchs, Kedem and Naylor 1980; Thibault and Naylor 1987. Sets
 // wait on a stack of their own: no depth overflows the machine's. Cost: O(pieces · depth).
 #pragma once
@@ -12,7 +14,7 @@
 
 namespace treeline::accel {
 
-/// The mesh bounds no solid: it is open, not oriented or inside out, or meets or crosses itself.
+/// The mesh bounds no solid: it is open, not oriented or inside out, or meets, crosses or encloses itself.
 struct NotASolid : InvalidInput {
   using InvalidInput::InvalidInput;
 };
@@ -42,7 +44,7 @@ class SolidBuilder {
  public:
   /// names: of the faces, for messages.
   SolidBuilder(Pieces<Space>& pieces, std::span<const Id> names, const SolidOptions& options)
-      : pieces_(pieces), names_(names), choose_(pieces, options) {}
+      : pieces_(pieces), names_(names), choose_(pieces, options), may_cross_(options.may_cross_itself) {}
 
   SolidTree operator()(std::vector<Piece> source) {
     if (source.empty()) return std::move(tree_);
@@ -58,6 +60,7 @@ class SolidBuilder {
       Set part[2] = {{{}, number, 0, set.level + 1}, {{}, number, 1, set.level + 1}};
       divide(set.pieces, node.plane, part[0].pieces, part[1].pieces);
       node.count = static_cast<std::uint32_t>(tree_.pieces.size()) - node.first;
+      if (Space::is_exact && !may_cross_) refuse_crossings(node);
       for (std::uint32_t side = 0; side < 2; ++side)
         if (part[side].pieces.empty()) node.child[side] = leaf(node, side);
       tree_.nodes.push_back(node);
@@ -82,6 +85,7 @@ class SolidBuilder {
   void divide(const std::vector<Piece>& set, PlaneId plane, std::vector<Piece>& back,
               std::vector<Piece>& front) {
     using Side = typename Pieces<Space>::Side;
+    cut_.clear();
     for (const Piece& p : set) switch (pieces_.side(plane, p)) {
         case Side::on:
           tree_.pieces.push_back(p);
@@ -94,9 +98,20 @@ class SolidBuilder {
           break;
         case Side::both: {
           const auto [before, behind] = pieces_.cut(plane, p);
-          front.push_back(before), back.push_back(behind);
+          front.push_back(before), back.push_back(behind), cut_.push_back(before);
         }
       }
+  }
+  /// Two faces that run through each other are found where the plane of one cuts the other: neither has been
+  /// cut along the line where they meet.
+  void refuse_crossings(const Node& node) {
+    if constexpr (Space::is_exact)
+      for (const Piece& part : cut_)
+        for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+          const Piece there = tree_.pieces[i];
+          if (pieces_.run_through(node.plane, part, there))
+            throw NotASolid("solid: faces " + name(there) + " and " + name(part) + " run through each other");
+        }
   }
   std::uint32_t leaf(const Node& node, std::uint32_t side) {
     const Piece& p = tree_.pieces[node.first];
@@ -118,6 +133,8 @@ class SolidBuilder {
   Pieces<Space>& pieces_;
   std::span<const Id> names_;
   PlaneChooser<Space> choose_;
+  bool may_cross_;
+  std::vector<Piece> cut_;  // by the node at hand: what is in front
   SolidTree tree_;
 };
 

@@ -23,6 +23,8 @@ struct SolidOptions {
   std::size_t sample = 128;     ///< pieces that a plane is tried on
   double split_cost = 8;        ///< of a piece cut, where one of imbalance costs 1
   double epsilon = 1e-8;        ///< of the rounding variant alone, relative to the solid's reach
+  /// Takes a solid that crosses or encloses itself, too: what lies within two sheets of it is unspecified.
+  bool may_cross_itself = false;
 
   /// No help along axes: a list for convex solids.
   static SolidOptions best_face() {

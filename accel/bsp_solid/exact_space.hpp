@@ -131,10 +131,14 @@ class ExactSpace {
     return dot(planes[plane].rounded_normal, steps) - planes[plane].rounded_offset;
   }
 
-  /// Where an edge of a polygon crosses a plane that its ends lie on either side of. The edge then has a
-  /// plane.
-  Corner cut(PlaneId polygon, Corner& from, const Corner& to, PlaneId plane) {
+  /// A plane through an edge of a polygon, other than the polygon's.
+  PlaneId edge(PlaneId polygon, Corner& from, const Corner& to) {
     if (from.edge == no_plane) from.edge = edge_plane(polygon, from, to);
+    return from.edge;
+  }
+  /// Where an edge of a polygon crosses a plane that its ends lie on either side of.
+  Corner cut(PlaneId polygon, Corner& from, const Corner& to, PlaneId plane) {
+    edge(polygon, from, to);
     Corner c;
     c.planes[0] = polygon, c.planes[1] = from.edge, c.planes[2] = plane;
     c.also = from.twin;

@@ -1,6 +1,8 @@
 // Convex polygons in an arena of corners, and cutting them by planes.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -66,6 +68,42 @@ class Pieces {
       other.push_back(middle);
     }
     return {put(p, part_[0]), put(p, part_[1])};
+  }
+
+  /// Whether a piece that the plane has cut, of which `part` is left on one side, runs through the inside of
+  /// one that lies in the plane. Both are convex: if not, a line parts what they have in the plane, an edge
+  /// of the one there or the other's plane.
+  bool run_through(PlaneId plane, const Piece& part, const Piece& there) {
+    std::array<Corner, 2> ends;
+    std::size_t found = 0;
+    for (const Corner& c : of(part))
+      if (found < 2 && space.side(plane, c) == 0) ends[found++] = c;
+    if (found < 2) return false;
+    constexpr double far = 1;  // in steps: corners are rounded by far less
+    for (int k = 0; k < 3; ++k) {
+      const double low = std::min(double(ends[0].at[k]), double(ends[1].at[k])),
+                   high = std::max(double(ends[0].at[k]), double(ends[1].at[k]));
+      bool before = true, beyond = true;
+      for (const Corner& c : of(there))
+        before = before && double(c.at[k]) < low - far, beyond = beyond && double(c.at[k]) > high + far;
+      if (before || beyond) return false;
+    }
+    bool front = false, back = false;
+    for (const Corner& c : of(there)) {
+      const int s = space.side(part.plane, c);
+      front = front || s > 0, back = back || s < 0;
+    }
+    if (!front || !back) return false;
+    for (std::uint32_t i = 0; i < there.count; ++i) {
+      Corner& from = corners[there.first + i];
+      const PlaneId edge =
+          space.edge(there.plane, from, corners[there.first + (i + 1 < there.count ? i + 1 : 0)]);
+      int inward = 0;
+      for (const Corner& c : of(there))
+        if (inward = space.side(edge, c); inward != 0) break;
+      if (space.side(edge, ends[0]) * inward <= 0 && space.side(edge, ends[1]) * inward <= 0) return false;
+    }
+    return true;
   }
 
  private:

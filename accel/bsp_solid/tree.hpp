@@ -7,8 +7,8 @@
 #pragma once
 
 #include "accel/batch.hpp"
-#include "accel/bsp_solid/build.hpp"
-#include "geometry/adjacency.hpp"
+#include "accel/bsp_solid/parts.hpp"
+#include "accel/ray_checks.hpp"
 #include "geometry/intersect_triangle.hpp"
 #include "geometry/ray.hpp"
 
@@ -41,10 +41,10 @@ class BspTree<Solid<Space>> {
   using Point = Vec3d;
   using Piece = solid::Piece;
 
-  /// Throws NotASolid for a mesh that is not closed or not oriented, and for one that is inside out (its
-  /// volume is negative); InvalidInput for any other that it cannot take: not finite, empty. Solids that
-  /// cross themselves are refused, as NotASolid, where the build finds out; elsewhere, what lies inside of
-  /// two sheets is unspecified.
+  /// Throws NotASolid for a mesh that is not closed or not oriented, for one that is inside out (its volume
+  /// is negative) or has a part that is, for one whose faces run through each other, and for parts in one
+  /// another that face the same way; InvalidInput for any other that it cannot take: not finite, empty.
+  /// Vertices that no face names do not matter. See build.hpp for what escapes.
   template <class T>
   explicit BspTree(const geometry::Mesh<T>& mesh, const SolidOptions& options = {});
   /// Of convex polygons that bound a solid: piece i has face = i and is called names[i].
@@ -59,11 +59,13 @@ class BspTree<Solid<Space>> {
     });
   }
 
-  /// Calls paint(face, corners) for every piece, far ones first: none hides one that comes later.
+  /// Calls paint(face, corners) for every piece, far ones first: none hides one that comes later. Throws
+  /// InvalidInput for an eye that is not finite.
   template <class Paint>
   void paint(const Vec3d& eye, const Paint& paint) const;
 
-  /// The nearest hit of a ray; ties: any. Hits are found in double.
+  /// The nearest hit of a ray; ties: any. Hits are found in double. Throws InvalidInput as all trees do for a
+  /// ray that is none.
   Hit<double> closest_hit(const geometry::Rayd& ray) const;
 
   double volume() const;
@@ -111,19 +113,18 @@ namespace solid {
 template <class T>
 SolidGrid grid_of(const geometry::Mesh<T>& mesh, const SolidOptions& options) {
   check(options);
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-    if (!is_finite(mesh.vertices[i]))
-      throw InvalidInput("solid: vertex " + std::to_string(i) + " is not finite");
+  geometry::Box<double, 3> box;
   for (std::size_t f = 0; f < mesh.size(); ++f)
-    for (const std::uint32_t corner : mesh.faces[f])
+    for (const std::uint32_t corner : mesh.faces[f]) {
       if (corner >= mesh.vertices.size())
         throw InvalidInput("solid: face " + std::to_string(f) + " names vertex " + std::to_string(corner) +
                            " of " + std::to_string(mesh.vertices.size()));
+      if (!is_finite(mesh.vertices[corner]))
+        throw InvalidInput("solid: vertex " + std::to_string(corner) + " is not finite");
+      box.grow(geometry::Vec3d(mesh.vertices[corner]));
+    }
   if (mesh.faces.empty()) throw InvalidInput("solid: the mesh has no faces");
-  if (options.grid.spacing > 0) return options.grid;
-  geometry::Box<double, 3> box;
-  for (const auto& p : mesh.vertices) box.grow(geometry::Vec3d(p));
-  return SolidGrid::over(box);
+  return options.grid.spacing > 0 ? options.grid : SolidGrid::over(box);
 }
 }  // namespace solid
 
@@ -138,13 +139,16 @@ BspTree<Solid<Space>>::BspTree(const geometry::Mesh<T>& mesh, const SolidOptions
   refuse(adjacency.boundary_edges(), " edges have one face only");
   refuse(adjacency.misoriented_edges(), " edges have faces that run the same way");
   refuse(adjacency.closed() ? 0 : 1, " or more edges have an odd number of faces");
-  std::vector<typename Space::Corner> vertices;
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    vertices.push_back(pieces_.space.vertex(Vec3d(mesh.vertices[i])));
-    if (!Space::is_in_reach(vertices.back()))
-      throw InvalidInput("solid: vertex " + std::to_string(i) + " is beyond the grid's reach");
-    stats_.moved += position(vertices.back()) != Vec3d(mesh.vertices[i]);
-  }
+  std::vector<typename Space::Corner> vertices(mesh.vertices.size());
+  std::vector<bool> named(mesh.vertices.size());
+  for (const auto& face : mesh.faces)
+    for (const std::uint32_t i : face) {
+      if (named[i]) continue;
+      named[i] = true, vertices[i] = pieces_.space.vertex(Vec3d(mesh.vertices[i]));
+      if (!Space::is_in_reach(vertices[i]))
+        throw InvalidInput("solid: vertex " + std::to_string(i) + " is beyond the grid's reach");
+      stats_.moved += position(vertices[i]) != Vec3d(mesh.vertices[i]);
+    }
   std::vector<solid::PlaneId> plane_of(mesh.size(), solid::no_plane);
   for (Id f = 0; f < mesh.size(); ++f) {
     const auto& v = mesh.faces[f];
@@ -169,6 +173,8 @@ BspTree<Solid<Space>>::BspTree(const geometry::Mesh<T>& mesh, const SolidOptions
   const double v = volume();
   if (v <= 0) throw NotASolid("solid: the mesh is inside out or has no volume: it is " + std::to_string(v));
   build(options);
+  if constexpr (Space::is_exact)
+    if (!options.may_cross_itself) solid::check_parts(pieces_, source_, names_, adjacency);
 }
 
 template <class Space>
@@ -219,6 +225,7 @@ Location BspTree<Solid<Space>>::locate(const Vec3d& point) const {
 template <class Space>
 template <class Paint>
 void BspTree<Solid<Space>>::paint(const Vec3d& eye, const Paint& paint) const {
+  if (!is_finite(eye)) throw InvalidInput("solid: the eye is not finite");
   struct Waiting {
     std::uint32_t node;
     bool far_side_done;
@@ -260,9 +267,13 @@ void BspTree<Solid<Space>>::hit_face(const Piece& face, const geometry::Watertig
 }
 
 template <class Space>
-Hit<double> BspTree<Solid<Space>>::closest_hit(const geometry::Rayd& ray) const {
-  if (!is_finite(ray.origin) || !is_finite(ray.direction) || !(length2(ray.direction) > 0))
-    throw InvalidInput("solid: a ray is not finite or has no direction");
+Hit<double> BspTree<Solid<Space>>::closest_hit(const geometry::Rayd& given) const {
+  check_ray(given);
+  // Of a direction of about 1 no product underflows; t is the given ray's times 2^exponent.
+  const int exponent = std::ilogb(given.direction[largest_axis(given.direction)]);
+  geometry::Rayd ray = given;
+  for (int k = 0; k < 3; ++k) ray.direction[k] = std::scalbn(given.direction[k], -exponent);
+  ray.t_min = std::scalbn(given.t_min, exponent), ray.t_max = std::scalbn(given.t_max, exponent);
   struct Waiting {
     std::uint32_t node;
     double t0, t1;
@@ -298,6 +309,7 @@ Hit<double> BspTree<Solid<Space>>::closest_hit(const geometry::Rayd& ray) const 
       waiting.push_back({before, t0, certain ? std::min(t1, t + width) : t1});
     }
   }
+  if (best) best.t = std::scalbn(best.t, -exponent);
   return best;
 }
 

@@ -319,6 +319,116 @@ TEST(Solid, RefusesWhatBoundsNothing) {
   EXPECT_THROW(a.locate({0, NAN, 0}), InvalidInput);
 }
 
+Mesh3d together(const Mesh3d& a, const Mesh3d& b) {
+  Mesh3d m = a;
+  const auto first = static_cast<std::uint32_t>(a.vertices.size());
+  m.vertices.insert(m.vertices.end(), b.vertices.begin(), b.vertices.end());
+  for (const auto& f : b.faces) m.faces.push_back({f[0] + first, f[1] + first, f[2] + first});
+  return m;
+}
+Mesh3d turned_around(Mesh3d m) {
+  for (auto& f : m.faces) std::swap(f[0], f[1]);
+  return m;
+}
+/// What a build of any kind says; empty: nothing.
+std::string told(const Mesh3d& mesh) {
+  std::string all;
+  for (const auto& [how, options] : strategies()) try {
+      Tree tree(mesh, options);
+      all += "taken ";
+    } catch (const NotASolid& e) {
+      all += std::string(e.what()) + " ";
+    }
+  return all;
+}
+testing::AssertionResult all_refuse(const Mesh3d& mesh, const std::string& why) {
+  const std::string s = told(mesh);
+  if (s.find("taken") == std::string::npos && s.find(why) != std::string::npos)
+    return testing::AssertionSuccess();
+  return testing::AssertionFailure() << s;
+}
+const std::string all_take = "taken taken taken ";
+
+// Sheets that run through each other: what lies in both would be called outside without a word.
+TEST(SolidCrossings, AreRefused) {
+  const Mesh3d box = box_mesh({0, 0, 0}, {1, 1, 1});
+  EXPECT_TRUE(all_refuse(together(box, box_mesh({0.75, 0.25, 0.25}, {1.75, 1.25, 1.25})), "run through"));
+  EXPECT_TRUE(all_refuse(together(box, box_mesh({-1, 0.25, 0.25}, {2, 0.75, 0.75})), "run through"));
+  Pcg32 random(21);
+  const Mesh3d ball = on_grid(spiky<double>(2, 1));
+  int crossing = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Mesh3d other = on_grid(moved(ball, random_vec<double>(random) * 1.5));
+    // They cross if some corner of one lies in the other and some outside.
+    bool in = false, out = false;
+    for (const Vec3d& p : other.vertices) (parity(ball, p, random) == Location::inside ? in : out) = true;
+    if (!in || !out) continue;
+    ++crossing;
+    EXPECT_TRUE(all_refuse(together(ball, other), "run through")) << i;
+  }
+  EXPECT_GT(crossing, 10);
+  SolidOptions options;
+  options.may_cross_itself = true;
+  EXPECT_NO_THROW(Tree(together(box, box_mesh({0.75, 0.25, 0.25}, {1.75, 1.25, 1.25})), options));
+}
+
+TEST(SolidCrossings, TouchingIsNone) {
+  const Mesh3d box = box_mesh({0, 0, 0}, {1, 1, 1});
+  // In a face, in part of one, at an edge, at a corner, and a corner on a face.
+  for (const Vec3d& low :
+       {Vec3d{1, 0, 0}, Vec3d{1, 0.25, 0.5}, Vec3d{1, 1, 0.5}, Vec3d{1, 1, 1}, Vec3d{2, 0, 0}})
+    EXPECT_EQ(told(together(box, box_mesh(low, low + Vec3d::filled(1)))), all_take) << low[0] << low[1];
+  Mesh3d spike = box_mesh({0, 0, 0}, {1, 1, 1});
+  for (auto& p : spike.vertices) p = {1 + p[0] + p[1] + p[2], p[1] - p[0] + 0.5, p[2] - p[0] + 0.5};
+  EXPECT_EQ(told(together(box, spike)), all_take);
+}
+
+TEST(SolidParts, ThatDoNotBoundOneSolidAreRefused) {
+  const Mesh3d box = box_mesh({0, 0, 0}, {1, 1, 1}), inner = box_mesh({0.25, 0.25, 0.25}, {0.75, 0.75, 0.75}),
+               apart = box_mesh({4, 0, 0}, {4.5, 0.5, 0.5});
+  EXPECT_EQ(told(together(box, apart)), all_take);
+  EXPECT_EQ(told(together(box, turned_around(inner))), all_take);  // a hollow
+  EXPECT_TRUE(all_refuse(together(box, inner), "lies in another one that faces the same way"));
+  EXPECT_TRUE(all_refuse(together(box, turned_around(apart)), "is inside out"));
+  EXPECT_NE(told(together(box, inner)).find("has face 1"), std::string::npos);  // of the inner one's twelve
+  EXPECT_EQ(told(on_grid(nested())), all_take);
+}
+
+TEST(Solid, VerticesThatNoFaceNamesDoNotMatter) {
+  const Mesh3d mesh = on_grid(sphere<double>(2));
+  Mesh3d more = mesh;
+  more.vertices.push_back({1e9, 0, 0}), more.vertices.push_back({NAN, 0, 0});
+  const Tree tree(more);
+  EXPECT_EQ(tree.grid(), Tree(mesh).grid());
+  EXPECT_EQ(tree.stats().moved, 0u);
+  EXPECT_EQ(tree.locate({0, 0, 0}), Location::inside);
+}
+
+TEST(Solid, RaysOfAnyLengthAndNoOthers) {
+  const Tree tree(on_grid(sphere<double>(2)));
+  const Rayd ray{{-3, 0.1, 0.2}, {1, 0.1, 0}};
+  const double t = tree.closest_hit(ray).t;
+  for (const int exponent : {-1000, -665, 3, 665, 1000}) {
+    Rayd other = ray;
+    other.direction = ray.direction * std::ldexp(1.0, exponent);
+    other.t_max = std::ldexp(2 * t, -exponent);
+    EXPECT_EQ(tree.closest_hit(other).t, std::ldexp(t, -exponent)) << exponent;
+    other.t_min = std::ldexp(3 * t, -exponent), other.t_max = INFINITY;
+    EXPECT_FALSE(tree.closest_hit(other)) << exponent;
+  }
+  EXPECT_NEAR(tree.closest_hit({{-3, 0.1, 0.2}, {1e-200, 0, 0}}).t / 1e200, 2.025, 0.05);
+  for (const Rayd& bad : {Rayd{{0, 0, 0}, {1, 0, 0}, NAN, 1}, Rayd{{0, 0, 0}, {1, 0, 0}, 0, NAN},
+                          Rayd{{0, 0, 0}, {0, 0, 0}}, Rayd{{NAN, 0, 0}, {1, 0, 0}}})
+    EXPECT_THROW(tree.closest_hit(bad), InvalidInput);
+}
+
+TEST(Solid, PaintsForNoEyeThatIsNone) {
+  const Tree tree(on_grid(sphere<double>(1)));
+  const auto nothing = [](Id, std::span<const Vec3d>) {};
+  EXPECT_THROW(tree.paint({0, NAN, 0}, nothing), InvalidInput);
+  EXPECT_THROW(tree.paint({INFINITY, 0, 0}, nothing), InvalidInput);
+}
+
 TEST(SolidGrid, MovesVerticesByHalfAStepAtMost) {
   const Mesh3d mesh = moved(sphere<double>(3), Vec3d{1000, -3, 0.1}, 0.3);
   const Tree tree(mesh);
