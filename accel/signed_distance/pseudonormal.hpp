@@ -7,14 +7,14 @@
 // Faces without area have no normal and give none to anyone; where they lie between two others as a flat
 // seam, the normals of both sides of the seam are added up on its edges, as if the faces met there. On which
 // side of a face a point lies is decided exactly; edges and corners are taken from the mesh, not from the
-// rounded closest point. Needs a closed, oriented mesh; with others it answers by the nearest face, which
-// near a hole's rim and beside faces turned around is wrong. Cost: the closest point, and 40 bytes a face.
-// Known weakness: two faces in one place that look opposite ways, as where closed boxes touch, are equally
-// near and say opposite things: points nearest to them are told right on one side and wrong on the other,
-// though the mesh is closed and oriented (FirstHit has an answer). A closest point found in float may belong
-// to a triangle that is not nearest, where two parts of the surface are as far to the last digits, or where
-// the mesh is of mixed scale and the tree has lost coordinates (triangle_scale.hpp); the sign is that of the
-// part found.
+// rounded closest point. Needs a closed, oriented mesh, beyond whose box nothing is inside; with others it
+// answers by the nearest face, which near a hole's rim and beside faces turned around is wrong. Cost: the
+// closest point, and 40 bytes a face. Known weakness: two faces in one place that look opposite ways, as
+// where closed boxes touch, are equally near and say opposite things: points nearest to them are told right
+// on one side and wrong on the other, though the mesh is closed and oriented (FirstHit has an answer). A
+// closest point found in float may belong to a triangle that is not nearest, where two parts of the surface
+// are as far to the last digits, or where the mesh is of mixed scale and the tree has lost coordinates
+// (triangle_scale.hpp); the sign is that of the part found.
 #pragma once
 
 #include <numbers>
@@ -47,6 +47,11 @@ class PseudonormalTable {
     vertices_ = mesh.vertices;
     sum_up();
   }
+
+  /// Whether nothing beyond its box can be behind the mesh: it is closed, with faces that run opposite ways
+  /// at every edge.
+  bool encloses() const { return encloses_; }
+  const geometry::Box<T, 3>& box() const { return box_; }
 
   /// Whether q, whose closest point is on the given feature of a face, lies behind it; on the face, too.
   bool is_behind(const geometry::Vec<T, 3>& q, std::size_t face, Feature feature) const {
@@ -92,10 +97,14 @@ class PseudonormalTable {
     std::vector<bool> flat(corners_.size());
     for (std::size_t f = 0; f < corners_.size(); ++f) {
       const geometry::Triangle3d t = triangle(f);
-      flat[f] = !geometry::is_finite(t) || geometry::is_degenerate(t);
+      const bool finite = geometry::is_finite(t);
+      if (finite)
+        for (const std::uint32_t v : corners_[f]) box_.grow(vertices_[v]);
+      flat[f] = !finite || geometry::is_degenerate(t);
       if (!flat[f]) of_face[f] = unit(t.area_normal());
     }
     join_edges();
+    encloses_ = every_edge_balances();
     of_vertex_.assign(vertices_.size(), Normal{});
     of_edge_.assign(edges_, Normal{});
     for (std::size_t f = 0; f < corners_.size(); ++f) {
@@ -144,6 +153,19 @@ class PseudonormalTable {
     }
   }
 
+  /// Whether as many finite faces run along each edge one way as the other.
+  bool every_edge_balances() const {
+    std::vector<std::int32_t> balance(edges_);
+    for (std::size_t f = 0; f < corners_.size(); ++f) {
+      if (!geometry::is_finite(triangle(f))) continue;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t from = corners_[f][i], to = corners_[f][(i + 1) % 3];
+        if (from != to) balance[edge_[f][i]] += from < to ? 1 : -1;
+      }
+    }
+    return std::ranges::all_of(balance, [](std::int32_t b) { return b == 0; });
+  }
+
   /// The edges of a face without area lie on one line and have the same sum: that of all. Seams of several
   /// such faces are joined by union-find.
   void close_seams(const std::vector<bool>& flat) {
@@ -182,6 +204,8 @@ class PseudonormalTable {
   std::vector<Three> corners_, edge_;  // of each face, by number
   std::vector<Normal> of_vertex_, of_edge_;
   std::size_t edges_ = 0;
+  geometry::Box<T, 3> box_;
+  bool encloses_ = false;
 };
 
 struct Pseudonormal {
@@ -203,6 +227,8 @@ struct Pseudonormal {
     bool inside(const Tree& tree, const Point& q) const { return inside(q, tree.closest_point(q)); }
     bool inside(const Point& q, const ClosestPoint<T>& closest) const {
       if (!closest) return false;
+      // Far away all of a small mesh is as near to the last digits of float, its far side, too.
+      if (table_.encloses() && !table_.box().contains(q)) return false;
       if (q == closest.point &&
           geometry::exact_distance2(geometry::Vec3d(q), table_.triangle(closest.primitive)) == 0)
         return true;

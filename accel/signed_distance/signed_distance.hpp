@@ -3,6 +3,7 @@
 
 #include "accel/signed_distance/first_hit.hpp"
 #include "geometry/closedness.hpp"
+#include "geometry/distance.hpp"
 
 namespace treeline::accel {
 
@@ -29,8 +30,9 @@ class SignedDistance {
   using SignOptions = typename Sign::Options;
 
   /// Throws InvalidInput for what the tree does not take: a vertex that is not finite, a face that names no
-  /// vertex; and for threads < 1. Nothing is kept of the mesh but what tree and rule copy. Faces that the
-  /// tree drops as not finite are left out by every rule.
+  /// vertex; and for threads < 1. Nothing is kept of the mesh but what tree and rule copy, and the faces
+  /// where squared distances may underflow or overflow. Faces that the tree drops as not finite are left out
+  /// by every rule.
   explicit SignedDistance(const Mesh& mesh, const TreeOptions& tree_options = {},
                           const SignOptions& sign_options = {}, int threads = 1)
       : SignedDistance(mesh, Tree(mesh, tree_options), sign_options, threads) {}
@@ -39,7 +41,8 @@ class SignedDistance {
   SignedDistance(const Mesh& mesh, Tree tree, const SignOptions& sign_options = {}, int threads = 1)
       : tree_(std::move(tree)),
         closedness_(checked_closedness(mesh, tree_, threads)),
-        rule_(mesh, tree_, sign_options, threads) {}
+        rule_(mesh, tree_, sign_options, threads),
+        extreme_(extreme(mesh)) {}
 
   /// Whether every edge has an even number of faces, corners at equal positions being one and faces that are
   /// not finite missing.
@@ -90,7 +93,10 @@ class SignedDistance {
 
   const Tree& tree() const { return tree_; }
   const Rule& rule() const { return rule_; }
-  std::size_t bytes() const { return tree_.bytes() + sizeof(*this) - sizeof(Tree) + rule_.bytes(); }
+  std::size_t bytes() const {
+    return tree_.bytes() + sizeof(*this) - sizeof(Tree) + rule_.bytes() +
+           extreme_.capacity() * sizeof(geometry::Triangle<Scalar>);
+  }
 
  private:
   /// Whether the closest point alone gives the sign.
@@ -100,16 +106,47 @@ class SignedDistance {
   };
 
   template <class Inside>
-  static Scalar with_sign(const Point& q, const ClosestPoint<Scalar>& closest, Inside&& inside) {
+  Scalar with_sign(const Point& q, const ClosestPoint<Scalar>& closest, Inside&& inside) const {
     if (!closest) return std::numeric_limits<Scalar>::infinity();
     // Squares lose their digits long before distances do.
-    constexpr Scalar least = std::numeric_limits<Scalar>::min() * Scalar(1 << 20);
+    constexpr Scalar least = std::numeric_limits<Scalar>::min() * Scalar(1 << 24);
     const bool holds = closest.distance2 > least && std::isfinite(closest.distance2);
-    const Scalar d = holds ? std::sqrt(closest.distance2)
-                           : static_cast<Scalar>(std::hypot(double(q[0]) - double(closest.point[0]),
-                                                            double(q[1]) - double(closest.point[1]),
-                                                            double(q[2]) - double(closest.point[2])));
+    const Scalar d = holds ? std::sqrt(closest.distance2) : apart(q, closest);
     return d != 0 && inside() ? -d : d;
+  }
+  /// The distance where its square is no number, or has no digits.
+  [[gnu::noinline, gnu::cold]] Scalar apart(const Point& q, const ClosestPoint<Scalar>& closest) const {
+    geometry::Vec3d from(q);
+    if (extreme_.empty()) return static_cast<Scalar>(length_of(from - geometry::Vec3d(closest.point)));
+    // The closest point is rounded by more than it may be away: anew, in double and about 1.
+    const geometry::Triangle3d t(extreme_[closest.primitive]);
+    double largest = 0;
+    for (const geometry::Vec3d& p : {from, t.a, t.b, t.c})
+      for (int k = 0; k < 3; ++k) largest = std::max(largest, std::abs(p[k]));
+    const int exponent = largest > 0 ? std::ilogb(largest) : 0;
+    const auto scaled = [&](const geometry::Vec3d& p) {
+      return geometry::Vec3d{std::scalbn(p[0], -exponent), std::scalbn(p[1], -exponent),
+                             std::scalbn(p[2], -exponent)};
+    };
+    from = scaled(from);
+    const double d2 =
+        closest_point_on_triangle(from, geometry::Triangle3d{scaled(t.a), scaled(t.b), scaled(t.c)})
+            .distance2;
+    return static_cast<Scalar>(std::scalbn(std::sqrt(d2), exponent));
+  }
+  static double length_of(const geometry::Vec3d& v) { return std::hypot(v[0], v[1], v[2]); }
+  /// All faces, of a mesh whose squared distances may leave the range of Scalar; else none.
+  static std::vector<geometry::Triangle<Scalar>> extreme(const Mesh& mesh) {
+    constexpr int comfortable = std::numeric_limits<Scalar>::max_exponent * 3 / 16;
+    Scalar largest = 0;
+    for (const Point& p : mesh.vertices)
+      for (int k = 0; k < 3; ++k)
+        if (std::isfinite(p[k])) largest = std::max(largest, std::abs(p[k]));
+    std::vector<geometry::Triangle<Scalar>> faces;
+    if (largest == 0 || std::abs(std::ilogb(largest)) < comfortable) return faces;
+    faces.reserve(mesh.size());
+    for (std::size_t f = 0; f < mesh.size(); ++f) faces.push_back(mesh.triangle(f));
+    return faces;
   }
   static geometry::Closedness checked_closedness(const Mesh& mesh, const Tree& tree, int threads) {
     check_threads(threads);
@@ -135,6 +172,7 @@ class SignedDistance {
   Tree tree_;
   geometry::Closedness closedness_;
   Rule rule_;
+  std::vector<geometry::Triangle<Scalar>> extreme_;  // see there
 };
 
 }  // namespace treeline::accel

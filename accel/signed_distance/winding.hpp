@@ -2,10 +2,9 @@
 //
 // For broken meshes: holes, missing and doubled faces, shells that face the same way, soups of triangles.
 // Where the surface is whole the number is a whole one, and the sign is right whatever the approximation, but
-// for points so near a face that double rounds their height above it away (and that are not found to lie on
-// it); where it is not, the border runs across the gap about as a soap film would. Sources and cost:
-// winding_tree.hpp. Known weakness: needs most faces to be oriented; a mesh inside out has no inside at all.
-// Points on a face are inside.
+// for points nearer to an edge, in lengths of its face, than a hundred millionth; where it is not, the border
+// runs across the gap about as a soap film would. Sources and cost: winding_tree.hpp. Known weakness: needs
+// most faces to be oriented; a mesh inside out has no inside at all. Points on a face are inside.
 #pragma once
 
 #include "accel/signed_distance/each_query.hpp"

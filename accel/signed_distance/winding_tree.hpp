@@ -21,6 +21,7 @@
 #include "accel/bvh/build_binned.hpp"
 #include "accel/concepts.hpp"
 #include "accel/triangle_place.hpp"
+#include "geometry/exact/orientation.hpp"
 #include "geometry/exact/triangle_distance.hpp"
 #include "geometry/mesh.hpp"
 
@@ -30,9 +31,9 @@ namespace treeline::accel {
 ///
 /// The tangent of half an angle is a quotient (van Oosterom and Strackee 1983), so half the angle is that of
 /// a complex number, and angles add up as the numbers are multiplied: one arc tangent does for all, and full
-/// turns are counted where the product passes the negative real axis. Error: some roundings of double a
-/// triangle, times the square of its size over the distance from the point to its edges. Coordinates of any
-/// size.
+/// turns are counted where the product passes the negative real axis. On which side of a triangle's plane
+/// the point lies is decided exactly. Error: some roundings of double a triangle, times the square of its
+/// size over the distance from the point to its edges. Coordinates of any size.
 class SolidAngles {
  public:
   explicit SolidAngles(const geometry::Vec3d& from) : from_(from) {}
@@ -46,12 +47,17 @@ class SolidAngles {
       la = length(a), lb = length(b), lc = length(c);
     }
     const double scale = la * lb * lc;
-    const double y = dot(a, cross(b, c));
+    double y = dot(a, cross(b, c));
     const double x = scale + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-    constexpr double flat = 1e-12;  // above, the point is off the plane for certain
+    constexpr double flat = 1e-12;  // above, the sign of y is right for certain
     if (!(std::abs(y) > flat * scale)) [[unlikely]] {
-      if (geometry::exact_distance2(from_, t) == 0) return static_cast<void>(on_ = true);
-      if (x == 0 && y == 0) return;
+      const int side = geometry::orientation(t.a, t.b, t.c, from_);
+      if (side == 0) {  // seen edge-on
+        on_ = on_ || geometry::exact_distance2(from_, t) == 0;
+        return;
+      }
+      // In front of a face half the angle is just above -pi, behind it just below: the sign is all there is.
+      y = -side * std::max(std::abs(y), scale * 0x1p-60);
     }
     const double p = x_ * x - y_ * y, q = x_ * y + y_ * x;
     const bool above = y_ >= 0, other_above = y >= 0;

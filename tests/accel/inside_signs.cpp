@@ -129,6 +129,66 @@ TYPED_TEST(SignedDistances, FacesThatAreDroppedAreMissing) {
   }
 }
 
+// A mesh and points scaled by a power of two have distances scaled by it, also where their squares vanish or
+// overflow.
+TYPED_TEST(SignedDistances, AreTheSameAtAnySize) {
+  using T = typename TypeParam::Scalar;
+  const Mesh<T> mesh = sphere<T>(2);
+  const SignedDistance<TypeParam, Pseudonormal> plain(mesh);
+  const int exponents[] = {-20, -30, -60, -90, 40, 90, -200, -400, 600};
+  for (const int exponent : exponents) {
+    if (std::abs(exponent) > std::numeric_limits<T>::max_exponent * 3 / 4) continue;
+    Mesh<T> scaled = mesh;
+    for (auto& p : scaled.vertices)
+      for (int k = 0; k < 3; ++k) p[k] = std::ldexp(p[k], exponent);
+    const SignedDistance<TypeParam, Pseudonormal> body(scaled);
+    Pcg32 random(33);
+    std::vector<Vec<T, 3>> points;
+    std::vector<T> expected;
+    for (int i = 0; i < 100; ++i) {
+      Vec<T, 3> p = in_cube(random, T(1.5));
+      if (i % 2 == 0) {  // near a face
+        const auto t = mesh.triangle(random.below(static_cast<std::uint32_t>(mesh.size())));
+        p = (t.a + t.b + t.c) / T(3) + p * T(1e-3);
+      }
+      expected.push_back(std::ldexp(plain.signed_distance(p), exponent));
+      for (int k = 0; k < 3; ++k) p[k] = std::ldexp(p[k], exponent);
+      points.push_back(p);
+    }
+    std::vector<T> out(points.size());
+    body.signed_distance(points, out, 1);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const T slack = std::ldexp(8 * std::numeric_limits<T>::epsilon(), exponent);
+      ASSERT_NEAR(out[i], expected[i], slack) << exponent << " " << i;
+      ASSERT_NE(out[i], 0) << exponent << " " << i;
+      ASSERT_EQ(body.signed_distance(points[i]), out[i]);
+    }
+  }
+}
+
+// From afar all of a small mesh is as near to the last digits.
+TYPED_TEST(SignedDistances, OutsideOfTheBoxNothingIsInside) {
+  using T = typename TypeParam::Scalar;
+  for (const T size : {T(1e-30), T(1e-12), T(1)}) {
+    Mesh<T> mesh = sphere<T>(2);
+    for (auto& p : mesh.vertices) p = p * size;
+    const SignedDistance<TypeParam, Pseudonormal> body(mesh);
+    Pcg32 random(34);
+    for (int i = 0; i < 300; ++i) {
+      const Vec<T, 3> p = in_cube(random, T(2));
+      if (length(p) <= T(1.1) * size) continue;
+      ASSERT_FALSE(body.inside(p)) << size << " " << i;
+      ASSERT_GT(body.signed_distance(p), 0) << size << " " << i;
+    }
+    EXPECT_TRUE(body.inside({0, 0, 0}));
+  }
+  // A sheet has two sides, however far.
+  Mesh<T> sheet{{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  const SignedDistance<TypeParam, Pseudonormal> open(sheet);
+  EXPECT_TRUE(open.inside({0, 0, -5}));
+  EXPECT_FALSE(open.inside({0, 0, 5}));
+}
+
 TYPED_TEST(SignedDistances, OfNothing) {
   using T = typename TypeParam::Scalar;
   const SignedDistance<TypeParam, Pseudonormal> nothing(Mesh<T>{});
@@ -350,6 +410,33 @@ TEST(Windings, FarAwayAreNone) {
     EXPECT_NEAR(little({far, -far, far}).value, 0, 1e-6) << far;
     EXPECT_NEAR(of_double({far, -far, 1e308}).value, 0, 1e-6) << far;
   }
+}
+
+// Points as near to a face as doubles allow, and not on it: their height is lost in the rounding of a solid
+// angle, its sign is not.
+TEST(Windings, NearestPointsOfFacesAreToldExactly) {
+  Mesh<double> mesh = sphere<double>(3);  // convex: behind all faces is inside
+  const Vec3d turn[3] = {normalized(Vec3d{2, 1, 0.3}), normalized(Vec3d{-1, 2, 0.1}), {0, 0, 1}};
+  for (Vec3d& p : mesh.vertices) p = turn[0] * p[0] + turn[1] * p[1] + turn[2] * p[2];
+  const SignedDistance<Bvh<Triangles<double>>, Winding> near(mesh), sum(mesh, {}, {.reach = 1e300});
+  Pcg32 random(56);
+  int inside = 0, outside = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const auto face = random.below(static_cast<std::uint32_t>(mesh.size()));
+    const Triangle<double> t = mesh.triangle(face);
+    const double v = random.uniform(0.1, 0.4), w = random.uniform(0.1, 0.4);
+    const Vec3d p = t.a * (1 - v - w) + t.b * v + t.c * w;
+    bool in = true;
+    for (std::size_t f = 0; f < mesh.size() && in; ++f) {
+      const Triangle<double> other = mesh.triangle(f);
+      in = geometry::orientation(other.a, other.b, other.c, p) <= 0;
+    }
+    ++(in ? inside : outside);
+    ASSERT_EQ(sum.inside(p), in) << i;
+    ASSERT_EQ(near.inside(p), in) << i;
+  }
+  EXPECT_GT(inside, 500);
+  EXPECT_GT(outside, 500);
 }
 
 TEST(Windings, StandHolesWhereRaysDoNot) {
