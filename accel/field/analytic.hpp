@@ -31,6 +31,7 @@ struct Sphere : ExactField<Sphere> {
   Sphere() = default;
   Sphere(const Vec3d& c, double r) : centre(c), radius(r) {}
   double distance(const Vec3d& p) const { return length(p - centre) - radius; }
+  geometry::Box3d bounds() const { return {centre - Vec3d::filled(radius), centre + Vec3d::filled(radius)}; }
   Vec3d gradient(const Vec3d& p) const {
     const Vec3d out = p - centre;
     return out == Vec3d{} ? Vec3d{} : normalized(out);
@@ -50,6 +51,7 @@ struct AxisBox : ExactField<AxisBox> {
   geometry::Box3d box;
 
   explicit AxisBox(const geometry::Box3d& b) : box(b) {}
+  const geometry::Box3d& bounds() const { return box; }
   double distance(const Vec3d& p) const {
     const Vec3d gap = gap_to(p);
     const double deepest = gap[largest(gap)];
@@ -82,6 +84,10 @@ struct Torus : ExactField<Torus> {
 
   Torus(const Vec3d& c, double ring_radius, double tube_radius)
       : centre(c), ring(ring_radius), tube(tube_radius) {}
+  geometry::Box3d bounds() const {
+    const Vec3d reach{ring + tube, ring + tube, tube};
+    return {centre - reach, centre + reach};
+  }
   double distance(const Vec3d& p) const {
     const Vec3d v = p - centre;
     return std::hypot(std::hypot(v[0], v[1]) - ring, v[2]) - tube;
@@ -95,6 +101,12 @@ struct Torus : ExactField<Torus> {
   }
 };
 
+/// The surface lies within bounds().
+template <class F>
+concept BoundedField = DistanceField<F> && requires(const F& field) {
+  { field.bounds() } -> std::convertible_to<geometry::Box3d>;
+};
+
 /// What two fields make together. distance() has a Lipschitz constant no larger than theirs.
 template <DistanceField A, DistanceField B>
 struct Union {
@@ -102,6 +114,9 @@ struct Union {
   B b;
 
   double distance(const Vec3d& p) const { return std::min(a.distance(p), b.distance(p)); }
+  geometry::Box3d bounds() const requires BoundedField<A> && BoundedField<B> {
+    return merged(geometry::Box3d(a.bounds()), geometry::Box3d(b.bounds()));
+  }
   Vec3d gradient(const Vec3d& p) const {
     return a.distance(p) <= b.distance(p) ? a.gradient(p) : b.gradient(p);
   }
@@ -125,6 +140,7 @@ struct Difference {
   B b;
 
   double distance(const Vec3d& p) const { return std::max(a.distance(p), -b.distance(p)); }
+  geometry::Box3d bounds() const requires BoundedField<A> { return a.bounds(); }
   Vec3d gradient(const Vec3d& p) const {
     return a.distance(p) >= -b.distance(p) ? a.gradient(p) : -b.gradient(p);
   }
@@ -152,7 +168,7 @@ inline Range range(const FieldSample& s) {
 
 }  // namespace detail
 
-/// A union whose crease is filled where the two distances differ by less than `width` (> 0).
+/// A union whose crease is filled where the two distances differ by less than `width`; 0 or less: a union.
 template <DistanceField A, DistanceField B>
 struct SmoothUnion {
   A a;
@@ -160,6 +176,11 @@ struct SmoothUnion {
   double width = 0.1;
 
   double distance(const Vec3d& p) const { return joined(a.distance(p), b.distance(p)); }
+  geometry::Box3d bounds() const requires BoundedField<A> && BoundedField<B> {
+    const Vec3d grown = Vec3d::filled(width > 0 ? 0.25 * width : 0);  // by so much distances fall
+    const geometry::Box3d box = merged(geometry::Box3d(a.bounds()), geometry::Box3d(b.bounds()));
+    return {box.low - grown, box.high + grown};
+  }
   Vec3d gradient(const Vec3d& p) const {
     const double x = a.distance(p), y = b.distance(p), share = 0.5 * nearness(x, y);  // of the farther one
     const Vec3d u = a.gradient(p), v = b.gradient(p);
@@ -177,9 +198,11 @@ struct SmoothUnion {
  private:
   double joined(double x, double y) const {
     const double near = nearness(x, y);
-    return std::min(x, y) - 0.25 * width * near * near;
+    return near > 0 ? std::min(x, y) - 0.25 * width * near * near : std::min(x, y);
   }
-  double nearness(double x, double y) const { return std::max(width - std::abs(x - y), 0.0) / width; }
+  double nearness(double x, double y) const {
+    return width > 0 ? std::max(width - std::abs(x - y), 0.0) / width : 0;
+  }
 };
 template <DistanceField A, DistanceField B>
 SmoothUnion(A, B, double) -> SmoothUnion<A, B>;

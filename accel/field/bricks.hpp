@@ -40,6 +40,9 @@ struct FieldReport {
   /// is not inside, so that by the default policy all distances are positive: turn the faces, or give a
   /// policy of your own. Of several parts, those that look outward have an inside all the same.
   bool inside_out = false;
+  /// By the default policy, of a closed mesh: so many of its parts look inward and lie in no other one. They
+  /// have no inside. geometry::check_mesh() names them.
+  std::size_t parts_inside_out = 0;
   /// Pairs of neighbouring samples of two bricks between which there is no surface, but which were put on
   /// different sides; within a brick what hangs together is given one side, so that there are none. By the
   /// default policy 0 for every closed mesh, whatever touches or crosses. 0 alone is no proof: a policy may

@@ -47,6 +47,10 @@ class FieldBuilder {
     else
       made_.report_.closed = is_closed_cycle(mesh_);
     made_.report_.inside_out = made_.report_.closed && is_inside_out(mesh_);
+    if constexpr (requires { sign_.closed(); })
+      if (sign_.closed())
+        made_.report_.parts_inside_out =
+            parts_inside_out(mesh_, [&](const Vec3f& p) { return sign_.inside(p); });
     made_.table_.resize(made_.lattice_.brick_count());
     refuse(S::bytes_for(made_.lattice_, 0));
     tasks_.run([&] {

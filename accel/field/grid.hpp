@@ -83,6 +83,9 @@ inline void check(const FieldOptions& o) {
   if (!(o.spacing >= 0) || std::isinf(o.spacing))
     throw InvalidInput("spacing is " + std::to_string(o.spacing) + "; it must be finite and not negative");
   if (!(o.band > 0)) throw InvalidInput("band is " + std::to_string(o.band) + "; it must be positive");
+  if (o.support != Support::trilinear && o.support != Support::tricubic)
+    throw InvalidInput("support is " + std::to_string(static_cast<int>(o.support)) +
+                       "; it must be trilinear (1) or tricubic (2)");
   if (o.threads < 1)
     throw InvalidInput("threads is " + std::to_string(o.threads) + "; it must be at least 1");
 }

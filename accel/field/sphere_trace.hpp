@@ -4,13 +4,15 @@
 // to its border. Over-relaxation (Keinert et al. 2014): it goes farther by a factor, and comes back where the
 // two balls leave a gap. Where the surface may be within the field's error, steps follow the field itself,
 // divided by how steep it gets, so that they cannot pass through what the field calls inside; a ray that
-// passes without meeting it has come near a surface that the field may have lost (`doubtful`), which is a hit
-// if that is wanted. Cost: steps grow with the square root of 1 / clearance for a grazed sphere and with 1 /
-// angle over a plane. Known weakness: a cap on steps is a wrong answer unless its status is read.
+// passes without meeting it has come near a surface that the field may have lost (`doubtful`, whether it
+// meets another one behind or none), which is a hit if that is wanted. Cost: steps grow with the square root
+// of 1 / clearance for a grazed sphere and with 1 / angle over a plane. Known weakness: a cap on steps is a
+// wrong answer unless its status is read.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "accel/field/concepts.hpp"
@@ -29,8 +31,9 @@ enum class TraceStatus {
 struct TraceOptions {
   int max_steps = 512;
   double relaxation = 1.6;  ///< factor of steps, in [1, 2); 1 is plain sphere tracing
-  double tolerance =
-      1e-5;  ///< nearer than this, by the field's distance, is a hit; in units of the field, > 0
+  /// Nearer than this, by the field's distance, is a hit; in units of the field, > 0. None: 1e-5 of the
+  /// longest side of the field's bounds(), and 1e-5 where it has no bounds.
+  std::optional<double> tolerance;
   bool stop_at_doubt = false;  ///< a surface that may be there is a hit: misses nothing, hits too much
 };
 
@@ -38,8 +41,8 @@ struct Trace {
   TraceStatus status = TraceStatus::miss;
   double t = 0;   ///< of the hit, or how far the ray got, free of the surface; in lengths of its direction
   int steps = 0;  ///< samples of the field that were taken
-  /// Hit: the field does not come to zero here, its error may. Else: the ray passed a surface by less than
-  /// the error.
+  /// The ray passed a surface by less than the error, or may have passed through one that the field has lost.
+  /// Of a hit, also: the field does not come to zero here, its error may.
   bool doubtful = false;
 };
 
@@ -57,8 +60,20 @@ inline void check(const TraceOptions& o) {
     throw InvalidInput("max_steps is " + std::to_string(o.max_steps) + "; it must be at least 1");
   if (!(o.relaxation >= 1 && o.relaxation < 2))
     throw InvalidInput("relaxation is " + std::to_string(o.relaxation) + "; it must be in [1, 2)");
-  if (!(o.tolerance > 0) || std::isinf(o.tolerance))
-    throw InvalidInput("tolerance is " + std::to_string(o.tolerance) + "; it must be positive and finite");
+  if (o.tolerance && (!(*o.tolerance > 0) || std::isinf(*o.tolerance)))
+    throw InvalidInput("tolerance is " + std::to_string(*o.tolerance) + "; it must be positive and finite");
+}
+
+/// The tolerance given, or that of the field's size.
+template <class Field>
+double tolerance_of(const Field& field, const TraceOptions& o) {
+  constexpr double share = 1e-5;
+  if (o.tolerance) return *o.tolerance;
+  if constexpr (requires { field.bounds(); }) {
+    const Vec3d sides = field.bounds().extent();
+    if (const double longest = std::max({sides[0], sides[1], sides[2]}); longest > 0) return share * longest;
+  }
+  return share;
 }
 
 /// The ray with its direction's largest component in [1, 2), so that no square of it overflows or vanishes;
@@ -129,7 +144,8 @@ Trace sphere_trace(const Field& field, const geometry::Rayd& given, const TraceO
   const detail::ScaledRay scaled(given);
   const geometry::Rayd& ray = scaled.ray;
   const auto [begin, end] = detail::reach_of(field, ray);
-  const double speed = length(ray.direction), steepness = field.lipschitz();
+  const double speed = length(ray.direction), steepness = field.lipschitz(),
+               tolerance = detail::tolerance_of(field, options);
   const double last_t = std::isfinite(given.t_max) ? given.t_max : scaled.given_t(end);
   Trace trace;
   trace.t = last_t;
@@ -139,7 +155,8 @@ Trace sphere_trace(const Field& field, const geometry::Rayd& given, const TraceO
   double side = 0;                          // of the start: 1 outside
   double last = 0, step = 0, free = begin;  // the ball before, the step from there, and that ball's border
   double relaxation = options.relaxation;
-  bool near = false;  // the last step followed the field
+  bool near = false;    // the last step followed the field
+  bool passed = false;  // it came near, and went away again
   for (trace.t = begin; trace.steps < options.max_steps;) {
     const FieldSample s = field.sample(ray.at(trace.t));
     ++trace.steps;
@@ -150,9 +167,10 @@ Trace sphere_trace(const Field& field, const geometry::Rayd& given, const TraceO
       trace.t = free, step = last, relaxation = 1;
       continue;
     }
-    near = clearance <= options.tolerance;
-    if (height <= (near ? options.tolerance : 0) || (near && options.stop_at_doubt)) {
-      trace.status = TraceStatus::hit, trace.doubtful = height > options.tolerance;
+    passed |= near && clearance > tolerance;
+    near = clearance <= tolerance;
+    if (height <= (near ? tolerance : 0) || (near && options.stop_at_doubt)) {
+      trace.status = TraceStatus::hit, trace.doubtful = passed || height > tolerance;
       trace.t = scaled.given_t(trace.t);
       if (!std::isfinite(trace.t))
         throw InvalidInput("the ray's direction is so short that the t of its hit is not finite");

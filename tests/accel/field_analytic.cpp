@@ -95,6 +95,36 @@ TEST(AnalyticField, CombinationsKeepTheirLaws) {
   }
 }
 
+// Every point where a field is not positive lies within its bounds; without a blend it is the plain union.
+TEST(AnalyticField, BoundsHoldTheSurface) {
+  const auto expect = [](const auto& field) {
+    Pcg32 random(12);
+    for (int n = 0; n < 20000; ++n) {
+      const Vec3d p = in_box(random, around);
+      if (field.distance(p) <= 0) {
+        ASSERT_TRUE(field.bounds().contains(p));
+      }
+    }
+  };
+  expect(ball), expect(box), expect(torus), expect(Union{ball, box}), expect(Difference{torus, ball});
+  expect(SmoothUnion{ball, box, 0.8}), expect(SmoothUnion{torus, ball, 0.5});
+  static_assert(!BoundedField<HalfSpace> && !BoundedField<Union<HalfSpace, Sphere>>);
+}
+
+TEST(AnalyticField, ABlendOfNoWidthIsAUnion) {
+  const Union either{ball, box};
+  for (const double width : {0.0, -1.0}) {
+    const SmoothUnion smooth{ball, box, width};
+    Pcg32 random(13);
+    for (int n = 0; n < 2000; ++n) {
+      const Vec3d p = in_box(random, around);
+      ASSERT_EQ(smooth.distance(p), either.distance(p));
+      ASSERT_EQ(smooth.gradient(p), either.gradient(p));
+      ASSERT_FALSE(std::isnan(smooth.sample(p).error));
+    }
+  }
+}
+
 /// The magnitude is a lower bound of the distance to where the field changes sign.
 template <class F>
 void expect_clear(const F& field) {

@@ -279,6 +279,9 @@ TEST(SampledField, RefusesWhatItCannotHold) {
   expect_refusal(with([&](auto& o) { o.band = nan; }), "band is nan");
   expect_refusal(with([](auto& o) { o.band = 0; }), "band is 0");
   expect_refusal(with([](auto& o) { o.threads = 0; }), "threads is 0");
+  for (const int support : {0, 3, -1})
+    expect_refusal(with([=](auto& o) { o.support = static_cast<Support>(support); }),
+                   "support is " + std::to_string(support));
   expect_refusal(with([](auto& o) { o.spacing = 1e-30; }), "no room for more than 2^20");
   expect_refusal(with([](auto& o) { o.spacing = 1e300; }), "the spacing 1e+300");
   expect_refusal(with([](auto& o) { o.spacing = 1e39; }), "beyond single precision");

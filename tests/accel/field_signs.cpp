@@ -91,7 +91,9 @@ TEST(FieldSigns, AMeshInsideOutEnclosesNothing) {
     const auto straight = sample_mesh<BrickSamples>(mesh, Tree(mesh), resolution(16));
     const auto s = sample_mesh<BrickSamples>(turned, Tree(turned), resolution(16));
     EXPECT_FALSE(straight.report().inside_out);
+    EXPECT_EQ(straight.report().parts_inside_out, 0u);
     EXPECT_TRUE(s.report().inside_out);
+    EXPECT_GE(s.report().parts_inside_out, 1u);
     EXPECT_TRUE(s.report().certain());
     const bool hollow = mesh.size() > 100;  // nested: its hollow is enclosed once when all is turned
     const Lattice& l = s.lattice();
@@ -113,7 +115,15 @@ TEST(FieldSigns, PartsThatLookInwardAreHollowsOrNothing) {
   Mesh3f mesh = boxes({left, {{0.25f, 0.25f, 0.25f}, {0.75f, 0.75f, 0.75f}}, {{3, 0, 0}, {3.5f, 1, 1}}});
   for (std::size_t f = 12; f < 36; ++f) std::swap(mesh.faces[f][1], mesh.faces[f][2]);
   const auto s = sample_mesh<BrickSamples>(mesh, Tree(mesh), resolution(48));
-  EXPECT_FALSE(s.report().inside_out);  // 1 - 1/8 - 1/2 is positive
+  EXPECT_FALSE(s.report().inside_out);         // 1 - 1/8 - 1/2 is positive
+  EXPECT_EQ(s.report().parts_inside_out, 1u);  // not the hollow
+  Mesh3f soup;
+  for (std::size_t f = 0; f < mesh.size(); ++f) {
+    const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+    for (const std::uint32_t v : mesh.faces[f]) soup.vertices.push_back(mesh.vertices[v]);
+    soup.faces.push_back({first, first + 1, first + 2});
+  }
+  EXPECT_EQ(sample_mesh<BrickSamples>(soup, Tree(soup), resolution(16)).report().parts_inside_out, 1u);
   const Trilinear field(s);
   EXPECT_LT(field.distance({0.1, 0.5, 0.5}), 0);
   EXPECT_GT(field.distance({0.5, 0.5, 0.5}), 0);

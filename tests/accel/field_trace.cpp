@@ -45,7 +45,7 @@ TEST(SphereTrace, MeetsABallWhereItIs) {
 }
 
 TEST(SphereTrace, StepsGrowWithTheRootOfOneOverClearance) {
-  const Sphere ball{{}, 1};
+  const Union ball{Sphere{{}, 1}, HalfSpace{{Vec3d{0, 0, 1}, -100}}};  // the plane takes the bounds away
   const auto steps = [&](double clearance) {
     TraceOptions o;
     o.relaxation = 1, o.max_steps = 100000;
@@ -104,7 +104,31 @@ TEST(SphereTrace, RefusesWhatIsNoRay) {
   EXPECT_THROW(sphere_trace(ball, ray, with([](auto& o) { o.tolerance = 0; })), InvalidInput);
   EXPECT_THROW(sphere_trace(ball, {{-3, 0, 0}, {0, 0, 0}, 0, 10}), InvalidInput);
   EXPECT_THROW(sphere_trace(ball, {{-3, NAN, 0}, {1, 0, 0}, 0, 10}), InvalidInput);
-  EXPECT_THROW(sphere_trace(ball, {{-3, 0, 0}, {1, 0, 0}}), InvalidInput);  // endless
+  const HalfSpace below{{Vec3d{0, 0, 1}, 0}};                                // has no bounds
+  EXPECT_THROW(sphere_trace(below, {{-3, 0, 1}, {1, 0, 0}}), InvalidInput);  // endless
+}
+
+// The tolerance follows the field's size: nothing is hit beside a small shape, nor is a large one's a matter
+// of the last digits.
+TEST(SphereTrace, ToleranceIsOfTheFieldsSize) {
+  for (const double size : {1e-30, 1e-6, 1.0, 1e6}) {
+    const Mesh3f mesh = [&] {
+      Mesh3f m = accel::test::sphere<float>(2);
+      for (auto& p : m.vertices) p = p * static_cast<float>(size);
+      return m;
+    }();
+    const auto s = sample_mesh<BrickSamples>(mesh, Tree(mesh), options(12));
+    const Trilinear field(s);
+    const Sphere ball{{}, size};
+    const auto expect = [&](const auto& shape) {
+      EXPECT_NEAR(sphere_trace(shape, {{-3 * size, 0, 0}, {1, 0, 0}}).t, 2 * size, 0.1 * size) << size;
+      const Trace beside = sphere_trace(shape, {{-3 * size, 1.2 * size, 0}, {1, 0, 0}});
+      EXPECT_EQ(beside.status, TraceStatus::miss) << size;
+      EXPECT_FALSE(beside.doubtful) << size;
+    };
+    expect(field), expect(ball), expect(Union{ball, Torus{{}, 0.5 * size, 0.1 * size}});
+    expect(SmoothUnion{ball, ball, 0.0}), expect(Difference{ball, Sphere{{}, 0.5 * size}});
+  }
 }
 
 // The same ray, whose direction is longer or shorter by a power of two: t is divided by it, nothing else.
@@ -147,11 +171,42 @@ TEST(SphereTrace, RefusesWhatOverflows) {
   const Trilinear field(s);
   EXPECT_THROW(sphere_trace(ball, {{-1e200, 0, 0}, {1, 0, 0}, 0, 1e201}), InvalidInput);
   EXPECT_THROW(sphere_trace(field, {{-1e200, 0, 0}, {1, 0, 0}}), InvalidInput);
-  EXPECT_THROW(sphere_trace(ball, {{-3, 0, 0}, {1, 0, 0}, -1e200, 10}), InvalidInput);
-  EXPECT_THROW(sphere_trace(ball, {{-3, 0, 0}, {1, 0, 0}, -inf, 10}), InvalidInput);
-  EXPECT_THROW(sphere_trace(ball, {{-3, 0, 0}, {1e200, 0, 0}, 0, 1e200}), InvalidInput);
+  const HalfSpace below{{Vec3d{0, 0, 1}, 0}};
+  EXPECT_THROW(sphere_trace(below, {{-3, 0, 1}, {1, 0, 0}, -1e200, 10}), InvalidInput);
+  EXPECT_THROW(sphere_trace(below, {{-3, 0, 1}, {1, 0, 0}, -inf, 10}), InvalidInput);
+  EXPECT_THROW(sphere_trace(below, {{-3, 0, 1}, {1e200, 0, 0}, 0, 1e200}), InvalidInput);
   // Bounds say where such a ray begins.
   EXPECT_EQ(sphere_trace(field, {{-3, 0, 0.1}, {1, 0, 0}, -inf, inf}).status, TraceStatus::hit);
+}
+
+// Behind a wall that the field has lost stands one that it has: a ray through both says so.
+TEST(SphereTrace, AHitBehindALostWallIsDoubtful) {
+  Mesh3f mesh = turned_box({1, 0.8, 0.002});  // an eighth of a cell
+  for (auto& p : mesh.vertices) p[0] -= 1.5f;
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  const Mesh3f ball = accel::test::sphere<float>(4);
+  for (auto p : ball.vertices) p[0] += 1.5f, mesh.vertices.push_back(p);
+  for (const auto& f : ball.faces) mesh.faces.push_back({f[0] + first, f[1] + first, f[2] + first});
+  const accel::Bvh<Triangles<float>> tree(mesh);
+  const auto s = sample_mesh<BrickSamples>(mesh, Tree(mesh), options(160));
+  const Trilinear field(s);
+  Pcg32 random(4);
+  int behind = 0, plain = 0;
+  for (int n = 0; n < 2000; ++n) {
+    const Vec3d to = Vec3d{1.5, 0, 0} + in_box(random, {{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}});
+    const Vec3d from = Vec3d{-4, random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0)};
+    const Rayd ray{from, normalized(to - from)};
+    const auto truth = tree.closest_hit({Vec3f(ray.origin), Vec3f(ray.direction)});
+    const Trace found = sphere_trace(field, ray);
+    ASSERT_EQ(found.status, TraceStatus::hit) << n;
+    if (found.t - double(truth.t) > 0.5) {
+      ++behind;
+      ASSERT_TRUE(found.doubtful) << n;
+    }
+    plain += !found.doubtful;
+  }
+  EXPECT_GT(behind, 100);
+  EXPECT_GT(plain, 500);
 }
 
 /// Rays at a mesh: every hit of the mesh is a hit of the field or a doubt; no hit lies where nothing is; and
@@ -173,7 +228,7 @@ void expect_like_the_mesh(const Mesh3f& mesh, int resolution, double allowed_dou
     ray.direction = normalized(ray.direction);
     if (n % 3 == 0) ray.t_max = std::numeric_limits<double>::infinity();
     TraceOptions o;
-    o.max_steps = 4000, o.relaxation = n % 2 ? 1 : 1.6;
+    o.max_steps = 4000, o.relaxation = n % 2 ? 1 : 1.6, o.tolerance = 1e-5;
     const Trace found = sphere_trace(field, ray, o);
     const auto truth = exact.closest_hit(ray);
     ASSERT_NE(found.status, TraceStatus::exhausted);
@@ -184,14 +239,14 @@ void expect_like_the_mesh(const Mesh3f& mesh, int resolution, double allowed_dou
     }
     if (found.status == TraceStatus::hit) {
       const FieldSample there = field.sample(ray.at(found.t));
-      ASSERT_LE(std::abs(true_distance(mesh, ray.at(found.t))), there.error + o.tolerance) << n;
+      ASSERT_LE(std::abs(true_distance(mesh, ray.at(found.t))), there.error + *o.tolerance) << n;
     }
     // The conservative trace misses nothing, and stops no later than the surface.
     o.stop_at_doubt = true;
     const Trace careful = sphere_trace(field, ray, o);
     if (truth) {
       ASSERT_EQ(careful.status, TraceStatus::hit) << n;
-      ASSERT_LE(careful.t, truth.t + o.tolerance) << n;
+      ASSERT_LE(careful.t, truth.t + *o.tolerance) << n;
     } else if (careful.status == TraceStatus::hit) {
       ASSERT_TRUE(careful.doubtful || found.status == TraceStatus::hit) << n;
     }
