@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 
@@ -137,18 +138,26 @@ std::string short_number(double x) {
 std::string rounding_note(const Coordinates& c, bool kept, bool is_mesh) {
   const auto sides = c.box.extent();
   const double extent = std::max({sides[0], sides[1], sides[2]});
-  const std::string moved = "by up to " + short_number(c.largest_error) + " (" +
-                            short_number(c.largest_error / extent) + " of the extent)";
+  const double share = c.largest_error / extent;
+  const std::string moved = "by up to " + short_number(c.largest_error) + " (" + short_number(share) +
+                            (share < 0.95 ? " of the extent)" : " times the extent)");
   if (kept) return "float would move coordinates " + moved + ": they are kept as doubles";
+  // Whole, unless that leaves more than the extent's size.
+  const double step = extent < 1 ? std::pow(10.0, std::floor(std::log10(extent))) : 1;
   std::string offset;
+  bool helps = false;
   for (int k = 0; k < 3; ++k) {
+    const double low = std::floor(c.box.low[k] / step) * step;
+    helps = helps || low != 0;
     char text[64];
-    std::snprintf(text, sizeof text, " %.0f", std::floor(c.box.low[k]));
+    std::snprintf(text, sizeof text, " %.15g", low);
     offset += text;
   }
-  return "coordinates were rounded to float, which moved them " + moved + ", since " +
-         (is_mesh ? "meshes are kept as floats. Subtract"
-                  : "the file declares floats. Declare doubles, or subtract") +
+  const std::string what = "coordinates were rounded to float, which moved them " + moved + ", since " +
+                           (is_mesh ? "meshes are kept as floats" : "the file declares floats");
+  // Near the origin only numbers too small for float lose that much.
+  if (!helps) return what + ": take a smaller unit";
+  return what + (is_mesh ? ". Subtract" : ". Declare doubles, or subtract") +
          " an offset from all points, such as" + offset;
 }
 

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "datasets_gen/files/input.hpp"
+#include "datasets_gen/files/polygon.hpp"
 
 namespace treeline::datasets::files {
 namespace {
@@ -23,6 +24,7 @@ class Arrays final : public IO::BaseImporter {
   std::vector<geometry::Vec3f> points;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::size_t polygons = 0;
+  std::size_t unfilled = 0, first_unfilled = 0;  // polygons that no triangles fill: fans that overlap
 
   VertexHandle add_vertex(const Vec3f& p) override {
     points.push_back({p[0], p[1], p[2]});
@@ -40,8 +42,12 @@ class Arrays final : public IO::BaseImporter {
                                                          std::to_string(points.size()) + " (counted from 0)");
       return static_cast<std::uint32_t>(index);
     };
-    for (std::size_t k = 2; k < corners.size(); ++k)
-      triangles.push_back({corner(0), corner(k - 1), corner(k)});
+    std::vector<geometry::Vec3f> outline;
+    for (std::size_t k = 0; k < corners.size(); ++k) outline.push_back(points[corner(k)]);
+    const auto filling = fill_polygon(outline);
+    if (!filling && unfilled++ == 0) first_unfilled = polygons;
+    for (const auto& [a, b, c] : filling ? *filling : fan(corners.size()))
+      triangles.push_back({corner(a), corner(b), corner(c)});
     return FaceHandle(static_cast<int>(polygons++));
   }
   std::size_t n_vertices() const override { return points.size(); }
@@ -131,6 +137,13 @@ Raw read_openmesh(const Input& in, const std::string& format, const Checked& che
   if (checked.dropped > 0)
     r.notes.push_back("left out " + std::to_string(checked.dropped) +
                       " faces of fewer than three different corners");
+  if (arrays.unfilled > 0)
+    r.notes.push_back(
+        std::to_string(arrays.unfilled) +
+        (arrays.unfilled == 1 ? " polygon crosses itself or is" : " polygons cross themselves or are") +
+        " not convex with more than " + std::to_string(most_concave_corners) +
+        " corners: cut into triangles that overlap; the first is face " +
+        std::to_string(arrays.first_unfilled) + " of the file (counted from 0)");
   return r;
 }
 

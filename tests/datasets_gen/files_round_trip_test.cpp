@@ -318,6 +318,75 @@ TEST_F(Reading, SaysWhatRoundingGeoreferencedTextCosts) {
   ASSERT_EQ(mesh.notes.size(), 1u);
   EXPECT_NE(mesh.notes[0].find("meshes are kept as floats. Subtract"), std::string::npos) << mesh.notes[0];
   EXPECT_NEAR(mesh.rounding, moved, 1e-9);
+  // Of small extent an offset in whole numbers leaves what it was to take off; and float has no room for
+  // numbers that are all too small.
+  const Dataset small = read(put(
+      "s.obj", "v 0.30000001 7.0000001 0\nv 0.30000001 7.00000012 0\nv 0.30000003 7.0000001 0\nf 1 2 3\n"));
+  ASSERT_EQ(small.notes.size(), 1u);
+  EXPECT_NE(small.notes[0].find("(6 times the extent)"), std::string::npos) << small.notes[0];
+  EXPECT_NE(small.notes[0].find("such as 0.3"), std::string::npos) << small.notes[0];
+  EXPECT_NE(small.notes[0].find(" 7.000000"), std::string::npos) << small.notes[0];
+  const Dataset tiny = read(put("t.obj", "v 0 0 0\nv 1e-46 0 0\nv 0 1e-46 0\nf 1 2 3\n"));
+  ASSERT_EQ(tiny.notes.size(), 1u);
+  EXPECT_NE(tiny.notes[0].find("take a smaller unit"), std::string::npos) << tiny.notes[0];
+}
+
+/// The area of a mesh, and the vector area: equal in size where all of it lies in one plane and looks one
+/// way.
+std::pair<double, double> areas(const geometry::Mesh3f& mesh) {
+  double area = 0;
+  geometry::Vec3d sum{};
+  for (std::size_t f = 0; f < mesh.size(); ++f) {
+    const geometry::Vec3d n = geometry::Triangle3d(mesh.triangle(f)).area_normal() * 0.5;
+    area += length(n), sum += n;
+  }
+  return {area, length(sum)};
+}
+
+TEST_F(Reading, FillsPolygonsThatAreNotConvex) {
+  if (!reads("obj")) GTEST_SKIP() << "built without OpenMesh";
+  const auto obj = [](const std::vector<std::array<double, 3>>& outline, bool turned) {
+    std::string text, face = "f";
+    for (const auto& [x, y, z] : outline)
+      text += "v " + std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(z) + "\n";
+    for (std::size_t i = 1; i <= outline.size(); ++i)
+      face += " " + std::to_string(turned ? outline.size() + 1 - i : i);
+    return text + face + "\n";
+  };
+  struct Case {
+    std::vector<std::array<double, 3>> outline;
+    double area;
+  };
+  std::vector<Case> cases{
+      {{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 0.5, 0}}, 1.5},                    // an arrow head
+      {{{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {1, 1, 0}, {1, 3, 0}, {0, 3, 0}}, 5},  // an L
+      {{{0, 0, 1}, {0, 3, 1}, {0, 3, 0}, {0, 2, 0}, {0, 1, 0}, {0, 0, 0}}, 3},  // in line
+      {{{0, 0, 0}, {4, 0, 4}, {4, 3, 4}, {3, 3, 3}, {3, 1, 3}, {1, 1, 1}, {1, 3, 1}, {0, 3, 0}},  // a U,
+                                                                                                  // slanting
+       8 * std::sqrt(2.0)}};
+  Case comb{{}, 0};  // of 40 teeth
+  comb.outline.push_back({0, 0, 0}), comb.outline.push_back({80, 0, 0});
+  for (int i = 79; i >= 0; --i) comb.outline.push_back({double(i), i % 2 == 0 ? 1.0 : 5.0, 0});
+  for (std::size_t i = 0; i < comb.outline.size(); ++i) {
+    const auto &p = comb.outline[i], &q = comb.outline[(i + 1) % comb.outline.size()];
+    comb.area += 0.5 * (p[0] * q[1] - p[1] * q[0]);
+  }
+  cases.push_back(comb);
+  for (std::size_t i = 0; i < cases.size(); ++i)
+    for (const bool turned : {false, true}) {
+      const Dataset d = read(put("concave.obj", obj(cases[i].outline, turned)));
+      EXPECT_TRUE(d.notes.empty());
+      EXPECT_EQ(d.mesh.size(), cases[i].outline.size() - 2) << i;
+      const auto [area, vector] = areas(d.mesh);
+      EXPECT_NEAR(area, std::abs(cases[i].area), 1e-5 * area) << i;
+      EXPECT_NEAR(vector, area, 1e-6 * area) << i;
+    }
+  // A bow: no triangles fill it, and the note says which face it is.
+  const Dataset bow = read(put("bow.obj", "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 3 2\nf 1 2 3 4\n"));
+  EXPECT_EQ(bow.mesh.size(), 3u);
+  ASSERT_EQ(bow.notes.size(), 1u);
+  EXPECT_NE(bow.notes[0].find("1 polygon crosses itself"), std::string::npos) << bow.notes[0];
+  EXPECT_NE(bow.notes[0].find("the first is face 1"), std::string::npos) << bow.notes[0];
 }
 
 }  // namespace
