@@ -78,8 +78,7 @@ Judged Judge::operator()(const geometry::Vec3f& query, const TrueClosest& truth,
   }
   if (promise.claim == Claim::exact && judged.farther)
     judged.verdict = Verdict::farther_triangle;
-  else if (promise.claim == Claim::exact &&
-           !(std::abs(answer.distance2 - truth.distance2) <= 0x1p-52 * truth.distance2))
+  else if (promise.claim == Claim::exact && answer.distance2 != truth.distance2)
     judged.verdict = Verdict::wrong_distance;
   // Answers are compared in floats' own spacing even where it is coarse: of subnormals it does not shrink.
   const double slack =

@@ -1,10 +1,9 @@
 #include "bench/closest_point/queries.hpp"
 
-#include <algorithm>
 #include <bit>
-#include <numeric>
 #include <stdexcept>
 
+#include "bench/core/morton_order.hpp"
 #include "geometry/random.hpp"
 #include "geometry/sampling.hpp"
 
@@ -129,27 +128,6 @@ std::vector<PointSet> make_point_sets(const Mesh3f& mesh, const SetSizes& sizes,
                                  }),
                   .truth = 6});
   return sets;
-}
-
-std::vector<std::uint32_t> morton_order(const std::vector<Vec3f>& points) {
-  geometry::Box3d box;
-  for (const Vec3f& p : points) box.grow(Vec3d(p));
-  std::vector<std::uint64_t> keys;
-  keys.reserve(points.size());
-  for (const Vec3f& p : points) {
-    std::uint64_t key = 0;
-    for (int k = 0; k < 3; ++k) {
-      const double extent = box.high[k] - box.low[k];
-      const double share = extent > 0 ? (p[k] - box.low[k]) / extent : 0;
-      const auto cell = static_cast<std::uint64_t>(std::clamp(share, 0.0, 1.0) * 65535);
-      for (int bit = 0; bit < 16; ++bit) key |= (cell >> bit & 1) << (3 * bit + k);
-    }
-    keys.push_back(key);
-  }
-  std::vector<std::uint32_t> order(points.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return keys[i]; });
-  return order;
 }
 
 std::uint64_t hash_of(const std::vector<Vec3f>& points) {

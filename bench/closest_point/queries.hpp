@@ -43,10 +43,6 @@ geometry::Box3d box_of(const geometry::Mesh3f& mesh);
 std::vector<PointSet> make_point_sets(const geometry::Mesh3f& mesh, const SetSizes& sizes,
                                       std::uint64_t seed);
 
-/// The order along a Morton curve of 2^16 cells a side over the points' own box: result[i] is the number of
-/// the query that comes i-th.
-std::vector<std::uint32_t> morton_order(const std::vector<geometry::Vec3f>& points);
-
 /// 64-bit hash of points, for the key of cached truths.
 std::uint64_t hash_of(const std::vector<geometry::Vec3f>& points);
 

@@ -33,7 +33,9 @@ class FieldSubject final : public Subject {
   FieldSubject(const Method& method, const Input& input, const Knobs& knobs,
                const std::vector<std::vector<Vec3f>>& points, const std::vector<geometry::Rayf>& rays,
                bool must_answer)
-      : spacing_(input.spacing), points_(points), rays_(rays) {
+      : hit_tolerance_(knobs.contains("resolution") ? distance_field::hit_tolerance * input.spacing : 0),
+        points_(points),
+        rays_(rays) {
     keep_refusal(must_answer, refusal_, [&] { field_ = method.build(input, knobs); });
   }
 
@@ -50,12 +52,13 @@ class FieldSubject final : public Subject {
 
   const Field* field() const { return field_.get(); }
   const std::string& refusal() const { return refusal_; }
-  double spacing() const { return spacing_; }
+  /// Within which a hit of its own is one.
+  double hit_tolerance() const { return hit_tolerance_; }
   std::vector<float> distances;
   std::vector<TraceAnswer> traced;
 
  private:
-  double spacing_;
+  double hit_tolerance_;
   const std::vector<std::vector<Vec3f>>& points_;
   const std::vector<geometry::Rayf>& rays_;
   std::unique_ptr<Field> field_;
@@ -227,7 +230,7 @@ class FieldBlock final : public Block {
     ErrorTally tally;
     std::size_t false_hits = 0, false_misses = 0, untold = 0, exhausted = 0, most = 0;
     double steps = 0;
-    std::vector<Vec3d> met;
+    std::vector<Place> met;
     for (std::size_t i = 0; i < rays_.size(); ++i) {
       const TraceAnswer& a = subject.traced[i];
       const double t = true_hits_[i];
@@ -242,15 +245,12 @@ class FieldBlock final : public Block {
       if (silent)
         broken(e,
                "ray " + std::to_string(i) + " meets the surface at " + std::to_string(t) + ", told a miss");
-      if (hit) met.push_back(Vec3d(rays_[i].origin) + Vec3d(rays_[i].direction) * double(a.t));
+      const auto at = [&](double s) { return Vec3d(rays_[i].origin) + Vec3d(rays_[i].direction) * s; };
+      if (hit) met.push_back({i, at(double(a.t)), 1});
+      if (hit && double(a.t) > t && !a.doubtful)
+        for (int k = 1; k < looks; ++k) met.push_back({i, at(t + (double(a.t) - t) * k / looks), passing});
     }
-    const std::vector<double> there = truth().distances(met, input_.threads);
-    for (std::size_t i = 0; i < met.size(); ++i) {
-      const auto certain = subject.field()->certain(met[i], knobs);
-      if (std::abs(there[i]) > certain->error + hit_tolerance * subject.spacing() + slack_)
-        broken(e,
-               "a ray's hit at " + place(met[i]) + " is " + std::to_string(there[i]) + " from the surface");
-    }
+    check_places(subject, knobs, met, e);
     tally.write(e);
     const auto count = static_cast<double>(rays_.size());
     e.extra = {{"distance_field_false_hits", false_hits},
@@ -260,6 +260,35 @@ class FieldBlock final : public Block {
                {"distance_field_steps_mean", most > 0 ? Knobs(steps / count) : Knobs(nullptr)},
                {"distance_field_steps_max", most > 0 ? Knobs(most) : Knobs(nullptr)}};
     return e;
+  }
+
+  /// On a ray: no farther from the surface than so many times what the field leaves open there.
+  struct Place {
+    std::size_t ray;
+    Vec3d at;
+    double times;
+  };
+  /// Places between the surface that a ray meets first and a hit behind it that the field does not doubt. As
+  /// long as it passes what it has taken for that surface by no more than its error, it is nowhere farther
+  /// away than three of these: the field's own distance may be one, the true one another more, and the next
+  /// step as long as the first.
+  static constexpr int looks = 8;
+  static constexpr double passing = 3;
+
+  void check_places(const FieldSubject& subject, const Knobs& knobs, const std::vector<Place>& places,
+                    Errors& e) {
+    std::vector<Vec3d> at;
+    for (const Place& p : places) at.push_back(p.at);
+    const std::vector<double> there = truth().distances(at, input_.threads);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const auto [ray, p, times] = places[i];
+      const double error = subject.field()->certain(p, knobs)->error, tolerance = subject.hit_tolerance();
+      if (std::abs(there[i]) <= times * (error + tolerance) + slack_) continue;
+      broken(e, times > 1 ? "ray " + std::to_string(ray) + " goes through the surface before its hit: at " +
+                                place(p) + " it is " + std::to_string(there[i]) + " away"
+                          : "the hit of ray " + std::to_string(ray) + " at " + place(p) + " is " +
+                                std::to_string(there[i]) + " from the surface");
+    }
   }
 
   /// The samples themselves, in longest sides.

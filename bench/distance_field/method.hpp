@@ -20,7 +20,7 @@ struct TraceAnswer {
   float t = std::numeric_limits<float>::infinity();
   std::uint32_t steps = 0;  ///< 0 where the method does not count them
   bool exhausted = false;   ///< gave up: neither hit nor miss
-  bool doubtful = false;    ///< a miss that says it may be none
+  bool doubtful = false;    ///< says that it may have passed a surface
 };
 
 /// A field's own rays end where it says the surface is this near, in cells.

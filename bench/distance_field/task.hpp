@@ -15,8 +15,9 @@
 // the field did not say that it might be), and what the field tells of itself: known_samples, bound_cells
 // (the mean of its bricks' bounds on the error, in cells), told_closed, told_inside_out, sign_conflicts,
 // undecided_signs. Truth: truth.hpp.
-// Claims: bounded: an answer is off by no more than the field said it might be; a ray that missed a surface
-// was told to be doubtful, and one that hit is within the bound of one. approximate: none.
+// Claims: bounded: an answer is off by no more than the field said it might be; a ray that missed a surface,
+// or went through one to hit another, was told to be doubtful, and one that hit is within the bound of one.
+// approximate: none.
 #pragma once
 
 #include "bench/core/registered_task.hpp"

@@ -101,10 +101,11 @@ TEST(ClosestPointJudge, ExactMethodsMustNameANearestTriangle) {
 
 TEST(ClosestPointJudge, ExactMethodsTellTheDistanceToTheLastDigit) {
   Answer a = answer({0.75, 0.25, 0}, 0, above);
+  EXPECT_EQ(judged(above, a, exact).verdict, Verdict::right);
   a.distance2 = 1 + 0x1p-52;
-  EXPECT_EQ(judged(above, a, exact).verdict, Verdict::right) << "the next double";
-  a.distance2 = 1 + 0x1p-50;
-  EXPECT_EQ(judged(above, a, exact).verdict, Verdict::wrong_distance);
+  EXPECT_EQ(judged(above, a, exact).verdict, Verdict::wrong_distance) << "the next double";
+  a.distance2 = 1 - 0x1p-53;
+  EXPECT_EQ(judged(above, a, exact).verdict, Verdict::wrong_distance) << "the one before";
   EXPECT_EQ(judged(above, a, bounded).verdict, Verdict::right) << "of others the point is judged";
 }
 

@@ -76,7 +76,16 @@ TEST(DistanceFieldTask, HardCasesOpen) {
 }
 
 /// A field that is right but for one fault, and says that it is certain.
-enum class Fault { none, off_by_a_percent, other_side, no_number, misses_silently, hits_nothing };
+enum class Fault {
+  none,
+  off_by_a_percent,
+  other_side,
+  no_number,
+  misses_silently,
+  hits_nothing,
+  hits_far_wall,
+  tells_far_wall
+};
 const geometry::Mesh3f* faulty_mesh = nullptr;
 
 template <Fault fault>
@@ -88,9 +97,15 @@ class Faulty final : public Field {
   }
   void trace(std::span<const geometry::Rayf> rays, const Knobs&, int,
              std::span<TraceAnswer> out) const override {
-    const auto hits = truth_.hits(rays, 1);
+    auto hits = truth_.hits(rays, 1);
+    if (fault == Fault::hits_far_wall || fault == Fault::tells_far_wall) {
+      std::vector<geometry::Rayf> onward(rays.begin(), rays.end());
+      for (std::size_t i = 0; i < rays.size(); ++i) onward[i].t_min = static_cast<float>(hits[i]) + 0.1f;
+      const auto second = truth_.hits(onward, 1);
+      for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = std::isfinite(second[i]) ? second[i] : hits[i];
+    }
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      out[i] = {.t = static_cast<float>(hits[i])};
+      out[i] = {.t = static_cast<float>(hits[i]), .doubtful = fault == Fault::tells_far_wall};
       if (fault == Fault::misses_silently) out[i].t = std::numeric_limits<float>::infinity();
       if (fault == Fault::hits_nothing) out[i].t = 0.01f;
     }
@@ -140,6 +155,27 @@ TEST(DistanceFieldTask, FaultsAreFound) {
   EXPECT_EQ(sets_found_wrong<Fault::no_number>(), points);
   EXPECT_EQ(sets_found_wrong<Fault::misses_silently>(), rays);
   EXPECT_EQ(sets_found_wrong<Fault::hits_nothing>(), rays);
+  EXPECT_EQ(sets_found_wrong<Fault::hits_far_wall>(), rays);
+  EXPECT_EQ(sets_found_wrong<Fault::tells_far_wall>(), std::set<std::string>{});
+}
+
+// What is bounded says by how much, or its answers could not be judged.
+TEST(DistanceFieldTask, BoundedMethodsAreHeldToABound) {
+  const auto block = task().open({"icosphere", 1'000}, smoke());
+  for (std::size_t m = 0; m < task().methods().size(); ++m) {
+    const MethodInfo& info = task().methods()[m];
+    if (info.claim != Claim::bounded) continue;
+    const Knobs& knobs = info.build_knobs.front();
+    const auto subject = block->build(m, knobs, 1);
+    for (std::size_t q = 0; q < block->query_sets().size(); ++q) {
+      subject->run(q, Knobs::object(), 1);
+      const Errors errors = block->check(m, *subject, q, Knobs::object());
+      EXPECT_TRUE(errors.within_claim) << info.name << ": " << errors.reason;
+      if (errors.extra.contains("distance_field_bounded_points")) {
+        EXPECT_EQ(errors.extra.at("distance_field_bounded_points"), block->query_sets()[q].size) << info.name;
+      }
+    }
+  }
 }
 
 TEST(DistanceFieldProgram, SmokeProfileEndsWellAndErrorsFallWithResolution) {
