@@ -1,7 +1,9 @@
 #include "bench/inside/block.hpp"
 
+#include "accel/self_intersections.hpp"
 #include "bench/core/refusal.hpp"
 #include "bench/core/truth_cache.hpp"
+#include "geometry/mesh_check.hpp"
 
 namespace treeline::bench::inside {
 namespace {
@@ -60,14 +62,32 @@ const std::vector<Side>& InsideBlock::truth_of(std::size_t query_set) {
   return *truth;
 }
 
+bool InsideBlock::faces_meet() {
+  if (!faces_meet_) {
+    const geometry::MeshCheck found = geometry::check_mesh(input_.mesh, 0);
+    faces_meet_ =
+        found.duplicate_faces.count > 0 ||
+        accel::self_intersections(input_.mesh, found.sound_faces, {.kept = 0, .threads = input_.threads})
+                .count > 0;
+  }
+  return *faces_meet_;
+}
+
 Errors InsideBlock::check(std::size_t m, const Subject& subject, std::size_t query_set, const Knobs&) {
   const auto& answered = static_cast<const InsideSubject&>(subject);
   if (!answered.refusal.empty()) return refused_wrongly(answered.refusal);
   const Method& method = methods_[m];
   const bool promises = !method.promises_nothing && !(input_.coincident && method.by_nearest_face);
-  const Promise promise{method.info.claim, !input_.whole && promises};
-  Errors result =
-      judge(input_.mesh, input_.sets[query_set].points, truth_of(query_set), answered.answers, promise);
+  Promise promise{method.info.claim, !input_.whole && promises};
+  const auto judged = [&] {
+    return judge(input_.mesh, input_.sets[query_set].points, truth_of(query_set), answered.answers, promise);
+  };
+  Errors result = judged();
+  if (!result.within_claim && input_.given && faces_meet()) {
+    promise.whole = false;
+    result = judged();
+    result.extra["inside_faces_meet"] = true;
+  }
   result.extra.update(answered.index().facts());
   return result;
 }

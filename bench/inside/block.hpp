@@ -18,6 +18,7 @@ struct BlockInput : MeshInput {
   std::vector<PointSet> sets;
   bool must_answer = false;  // a refusal is a wrong answer
   bool coincident = false;   // some faces lie in one another
+  bool given = false;        // a user's mesh: nobody knows whether its faces meet beside their edges
 };
 
 class InsideBlock final : public MeshBlock<BlockInput, Method> {
@@ -33,8 +34,11 @@ class InsideBlock final : public MeshBlock<BlockInput, Method> {
 
  private:
   const std::vector<Side>& truth_of(std::size_t query_set);
+  /// Whether two faces are one, touch beside their edges, or run through each other.
+  bool faces_meet();
 
   std::vector<std::optional<std::vector<Side>>> truths_;
+  std::optional<bool> faces_meet_;
 };
 
 }  // namespace treeline::bench::inside

@@ -2,8 +2,8 @@
 // floating point with an epsilon, to be seen failing.
 //
 // What the exact tree is exact about is the mesh with its corners moved to whole numbers, by 2^-26 of the
-// extent at most, hence bounded. It does not take meshes that are not closed and oriented, are inside out, run
-// through themselves or have parts in one another that face the same way.
+// extent at most, hence bounded. It does not take meshes that are not closed and oriented, are inside out,
+// run through themselves or have parts in one another that face the same way.
 #include "accel/bsp_solid.hpp"
 
 #include <optional>

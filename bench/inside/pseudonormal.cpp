@@ -55,7 +55,8 @@ bool add_pseudonormal(const char* name, int ladder) {
      .build = [](const geometry::Mesh3f& mesh, const Knobs&, int threads) -> std::unique_ptr<Index> {
        return std::make_unique<FaceNormal>(mesh, threads);
      },
-     .by_nearest_face = true});
+     .by_nearest_face = true,
+     .promises_nothing = true});
 
 }  // namespace
 }  // namespace treeline::bench::inside

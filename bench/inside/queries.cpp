@@ -3,6 +3,7 @@
 #include <bit>
 #include <stdexcept>
 
+#include "bench/core/morton_order.hpp"
 #include "geometry/random.hpp"
 #include "geometry/sampling.hpp"
 
@@ -56,6 +57,11 @@ std::vector<PointSet> make_point_sets(const geometry::Mesh3f& mesh, const SetSiz
   });
   add("uniform", sizes.other, anywhere);
   if (few) return sets;
+  for (const std::size_t at : {0u, 2u}) {
+    PointSet sorted{sets[at].name + "_sorted", {}};
+    for (const std::uint32_t i : morton_order(sets[at].points)) sorted.points.push_back(sets[at].points[i]);
+    sets.insert(sets.begin() + static_cast<std::ptrdiff_t>(at) + 1, std::move(sorted));
+  }
   add("far", sizes.other, [&](geometry::Pcg32& random) {
     const double distance = random.uniform(2.0, 4.0) * diagonal;
     return Vec3f(centre + direction(random) * distance);

@@ -6,6 +6,7 @@
 #include "bench/inside/block.hpp"
 #include "datasets_gen/hard/hard_insides.hpp"
 #include "geometry/closedness.hpp"
+#include "geometry/mesh_check.hpp"
 
 namespace treeline::bench::inside {
 namespace {
@@ -35,6 +36,21 @@ constexpr std::size_t scaling_factor = 8;  // so many times the queries where th
 /// For thread scaling: queries near the surface and anywhere.
 void ask_by_threads(std::vector<PointSet>& sets) {
   keep_for_threads(sets, {"near", "uniform"}, [](PointSet&, std::size_t) {});
+}
+
+/// What such a mesh, or a part of it, goes around -1 times or twice is inside to some methods and not to
+/// others: nothing is measured by asking them.
+void refuse_wrong_way(const Dataset& dataset) {
+  if (dataset.kind != datasets::Kind::mesh || dataset.mesh.faces.empty()) return;
+  const geometry::MeshCheck found = geometry::check_mesh(dataset.mesh, 1);
+  const char* const remedy = "; turn the faces around (treeline_gen --check lists what is wrong)";
+  if (found.inside_out())
+    throw std::invalid_argument("'" + dataset.name + "' is inside out: its faces look inward" + remedy);
+  if (const auto& parts = found.misnested_components; parts.count > 0)
+    throw std::invalid_argument("'" + dataset.name + "' has " + std::to_string(parts.count) +
+                                (parts.count == 1 ? " part that looks" : " parts that look") +
+                                " the wrong way, the first with face " +
+                                std::to_string(parts.first[0].faces[0]) + remedy);
 }
 
 std::unique_ptr<Block> open_hard(const std::string& name, const RunContext& context, int version,
@@ -91,16 +107,17 @@ std::unique_ptr<Block> InsideTask::open(const BlockSpec& spec, const RunContext&
   std::optional<geometry::Mesh3f> whole;
   if (const std::size_t plus = spec.dataset.find('+'); plus != std::string::npos)
     whole = datasets::generate(spec.dataset.substr(0, plus), spec.n, context.seed).mesh;
-  return open(datasets::generate(spec.dataset, spec.n, context.seed), std::move(whole), context,
-              spec.scaling);
+  return open(datasets::generate(spec.dataset, spec.n, context.seed), std::move(whole), context, spec.scaling,
+              false);
 }
 
 std::unique_ptr<Block> InsideTask::open(Dataset dataset, const RunContext& context) const {
-  return open(std::move(dataset), std::nullopt, context, false);
+  refuse_wrong_way(dataset);
+  return open(std::move(dataset), std::nullopt, context, false, true);
 }
 
 std::unique_ptr<Block> InsideTask::open(Dataset dataset, std::optional<geometry::Mesh3f> whole,
-                                        const RunContext& context, bool scaling) const {
+                                        const RunContext& context, bool scaling, bool given) const {
   require_triangles(dataset, "the task inside needs a closed mesh of triangles");
   BlockInput input;
   const auto closedness = geometry::closedness(dataset.mesh);
@@ -112,7 +129,7 @@ std::unique_ptr<Block> InsideTask::open(Dataset dataset, std::optional<geometry:
   if (scaling) sizes.near *= scaling_factor, sizes.other *= scaling_factor;
   input.sets = make_point_sets(whole ? *whole : dataset.mesh, sizes, whole.has_value(), dataset.seed);
   if (scaling) ask_by_threads(input.sets);
-  input.whole = std::move(whole);
+  input.whole = std::move(whole), input.given = given;
   take_mesh(input, std::move(dataset), context, version());
   return std::make_unique<InsideBlock>(std::move(input), registered());
 }

@@ -151,6 +151,83 @@ TEST(InsideTask, RoundedSolidsAreMeasurablyWrong) {
     EXPECT_GT(share("bsp_solid_rounded", {{"epsilon", epsilon}}), 0.01) << epsilon;
 }
 
+void add_box(geometry::Mesh3f& mesh, const geometry::Vec3f& low, const geometry::Vec3f& high, bool turned) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  for (int i = 0; i < 8; ++i)
+    mesh.vertices.push_back({(i & 1 ? high : low)[0], (i & 2 ? high : low)[1], (i & 4 ? high : low)[2]});
+  for (auto [a, b, c] : std::vector<std::array<std::uint32_t, 3>>{{0, 2, 3},
+                                                                  {0, 3, 1},
+                                                                  {4, 5, 7},
+                                                                  {4, 7, 6},
+                                                                  {0, 1, 5},
+                                                                  {0, 5, 4},
+                                                                  {2, 6, 7},
+                                                                  {2, 7, 3},
+                                                                  {0, 4, 6},
+                                                                  {0, 6, 2},
+                                                                  {1, 3, 7},
+                                                                  {1, 7, 5}}) {
+    if (turned) std::swap(b, c);
+    mesh.faces.push_back({first + a, first + b, first + c});
+  }
+}
+datasets::Dataset of_boxes(std::initializer_list<std::array<float, 7>> boxes) {
+  datasets::Dataset d;
+  d.kind = datasets::Kind::mesh, d.name = "boxes", d.closed = true;
+  for (const auto& b : boxes) add_box(d.mesh, {b[0], b[1], b[2]}, {b[3], b[4], b[5]}, b[6] != 0);
+  return d;
+}
+
+// A user's mesh whose faces lie in one another: the nearest face says nothing between them, and no method is
+// held to a claim that it could not keep; those that go by rays keep it all the same.
+TEST(InsideTask, BoxesThatTouchAreNobodysFault) {
+  const InsideTask task;
+  const auto block = task.open(of_boxes({{0, 0, 0, 1, 1, 1, 0}, {1, 0, 0, 2, 1, 1, 0}}), smoke_context());
+  double worst_face_normal = 0;
+  for (std::size_t m = 0; m < task.methods().size(); ++m) {
+    const MethodInfo& info = task.methods()[m];
+    if (info.source != Source::ours) continue;
+    const auto subject = block->build(m, info.build_knobs.front(), 1);
+    for (std::size_t set = 0; set < block->query_sets().size(); ++set) {
+      subject->run(set, Knobs::object(), 1);
+      const Errors errors = block->check(m, *subject, set, Knobs::object());
+      EXPECT_TRUE(errors.within_claim) << info.name << ": " << errors.reason;
+      if (info.claim == Claim::exact) {
+        EXPECT_EQ(errors.error.value_or(0), 0) << info.name;
+        EXPECT_FALSE(errors.extra.contains("inside_faces_meet")) << info.name;
+      }
+      if (info.name == "wide_face_normal")
+        worst_face_normal = std::max(worst_face_normal, errors.error.value_or(0));
+    }
+  }
+  EXPECT_GT(worst_face_normal, 0.01);
+}
+
+TEST(InsideTask, AsksInOrderToo) {
+  const InsideTask task;
+  const auto block = task.open({"icosphere", 1'000}, smoke_context());
+  std::vector<std::string> names;
+  for (const QuerySet& set : block->query_sets()) names.push_back(set.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"near", "near_sorted", "uniform", "uniform_sorted", "far",
+                                             "centre", "on_vertex"}));
+  const auto mesh = datasets::generate("icosphere", 1'000, 1).mesh;
+  auto sets = make_point_sets(mesh, {2000, 2000}, false, 1);
+  for (const std::size_t i : {0u, 2u}) {
+    auto &given = sets[i].points, &sorted = sets[i + 1].points;
+    const auto way = [](const std::vector<geometry::Vec3f>& points) {
+      double sum = 0;
+      for (std::size_t k = 1; k < points.size(); ++k) sum += length(points[k] - points[k - 1]);
+      return sum;
+    };
+    EXPECT_LT(way(sorted), 0.2 * way(given));
+    const auto less = [](const geometry::Vec3f& a, const geometry::Vec3f& b) {
+      return std::tie(a[0], a[1], a[2]) < std::tie(b[0], b[1], b[2]);
+    };
+    std::ranges::sort(given, less), std::ranges::sort(sorted, less);
+    EXPECT_EQ(given, sorted);
+  }
+}
+
 TEST(InsideTask, RefusesWhatHasNoInside) {
   const InsideTask task;
   const auto refusal = [&](datasets::Dataset dataset) -> std::string {
@@ -169,6 +246,14 @@ TEST(InsideTask, RefusesWhatHasNoInside) {
   EXPECT_NE(refusal(turned).find("not oriented"), std::string::npos);
   turned.mesh.faces.clear();
   EXPECT_NE(refusal(turned).find("has no triangles"), std::string::npos);
+  EXPECT_NE(refusal(datasets::generate("icosphere+inside_out", 1'000, 1)).find("is inside out"),
+            std::string::npos);
+  const std::array<float, 7> box{0, 0, 0, 1, 1, 1, 0}, apart{3, 0, 0, 3.5f, 1, 1, 1},
+      within{0.25f, 0.25f, 0.25f, 0.75f, 0.75f, 0.75f, 0};
+  EXPECT_NE(refusal(of_boxes({box, apart})).find("1 part that looks the wrong way, the first with face 12"),
+            std::string::npos);
+  EXPECT_NE(refusal(of_boxes({box, within})).find("the first with face 12"), std::string::npos);
+  EXPECT_EQ(refusal(of_boxes({box})), "");
   const std::string command =
       std::string("'") + INSIDE_TEST_PROGRAM + "' --dataset terrain:1000 >/dev/null 2>&1";
   const int status = std::system(command.c_str());
