@@ -33,7 +33,7 @@ std::string broken_limit(const Row& row, double tolerance) {
   for (const auto& [name, value] : stated)
     if (value && !(*value <= allowed))
       return fmt::format("{} of {} is {:.3g}, allowed {:.3g}", name, row.query_set, *value, allowed);
-  if (!e.error) return fmt::format("{} has no measured error", row.query_set);
+  if (!e.error) return fmt::format("nothing tells how far off the answers of {} are", row.query_set);
   return "";
 }
 

@@ -140,6 +140,7 @@ class Reader {
     std::string out = tail_;
     for (char& c : out)
       if (static_cast<unsigned char>(c) < ' ') c = ' ';
+    if (const std::size_t word = out.find(' '); cut_ && word != std::string::npos) out.erase(0, word);
     const std::size_t first = out.find_first_not_of(' ');
     if (first == std::string::npos) return "";
     return out.substr(first, out.find_last_not_of(' ') - first + 1);
@@ -161,7 +162,10 @@ class Reader {
     }
     if (i == 1) {
       tail_.append(buffer, static_cast<std::size_t>(n));
-      if (tail_.size() > tail_length) tail_.erase(0, tail_.size() - tail_length);
+      if (tail_.size() > tail_length) {
+        tail_.erase(0, tail_.size() - tail_length);
+        cut_ = true;
+      }
       return;
     }
     partial_.append(buffer, static_cast<std::size_t>(n));
@@ -180,7 +184,7 @@ class Reader {
   const std::function<void(const std::string&)>& on_line_;
   Clock::time_point deadline_;
   std::string partial_, tail_;
-  bool ended_ = false;
+  bool ended_ = false, cut_ = false;  // cut: the tail is not all, and may begin within a word
 };
 
 std::string with_tail(std::string reason, const std::string& tail) {

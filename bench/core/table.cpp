@@ -16,6 +16,9 @@ std::string shortened(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   if (text.size() <= reason_width) return text;
   std::size_t end = reason_width - 3;
+  if (const std::size_t word = text.find_last_of(' ', end);
+      word != std::string::npos && word > reason_width / 2)
+    end = word;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // whole UTF-8 characters
   return text.substr(0, end) + "…";
 }

@@ -32,7 +32,7 @@ class Rung:
                 if value is not None and abs(value) > max(tolerance, row.error_floor or 0.0):
                     return row.query_set, metric, abs(value)
             if row.error is None:
-                return row.query_set, "no measured error", None
+                return row.query_set, "nothing tells how far off its answers are", None
         for row in self.rows:
             if not promises(row) and tolerance <= (row.error_floor or 0.0):
                 return row.query_set, f"its claim is {row.claim}", None

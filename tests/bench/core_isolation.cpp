@@ -46,7 +46,7 @@ TEST(Isolation, CrashKeepsWhatWasSent) {
 
 TEST(Isolation, ReasonEndsWithTheLastOfStderr) {
   const auto r = isolated([](const Send&) {
-    for (int i = 0; i < 100000; ++i) std::fputs("noise ", stderr);  // more than a pipe holds
+    for (int i = 0; i < 100000; ++i) std::fputs("Wörterlärm ", stderr);  // more than a pipe holds
     std::fputs("\nassertion failed: x > 0\n", stderr);
     std::signal(SIGABRT, SIG_DFL);
     std::abort();
@@ -54,6 +54,7 @@ TEST(Isolation, ReasonEndsWithTheLastOfStderr) {
   EXPECT_EQ(r.ending.status, Status::crashed);
   EXPECT_TRUE(r.ending.reason.ends_with("assertion failed: x > 0")) << r.ending.reason;
   EXPECT_LT(r.ending.reason.size(), 260u);
+  EXPECT_NE(r.ending.reason.find(": Wörterlärm "), std::string::npos) << r.ending.reason;  // a whole word
 }
 
 TEST(Isolation, AFailedAssertionIsCalledOne) {

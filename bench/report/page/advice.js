@@ -30,7 +30,7 @@ function limitOf(rung, tolerance) {
     if (r.status !== "ok") return { set: r.set, name: r.status.replace(/_/g, " "), figure: null };
     const allowed = Math.max(tolerance, r.floor || 0);
     for (const m in METRICS) if (r[m] !== null && Math.abs(r[m]) > allowed) return { set: r.set, name: METRICS[m], figure: Math.abs(r[m]) };
-    if (r.error === null) return { set: r.set, name: "no measured error", figure: null };
+    if (r.error === null) return { set: r.set, name: "nothing tells how far off its answers are", figure: null };
   }
   // Down there a promise is asked for, and a sample without errors is none.
   for (const r of rung.rows)
