@@ -5,6 +5,9 @@
 // the medial axis of a shape, where distances have a kink, both are off by up to some two fifths of a cell.
 // Between known samples an error has a bound (bound.hpp); elsewhere the answer is a lower bound on the
 // distance, which jumps from brick to brick. Cost: 8 or 64 samples, of up to 8 bricks. Memory: a reference.
+// For rays take the trilinear one: by the tricubic, whose bounds are wider and whose slope may be steeper,
+// they take twice the steps, each three times as dear, and at 128 cells a few that graze the surface run out
+// of the default's 512, which spoils the mean error (bench/distance_field, set `trace`).
 #pragma once
 
 #include "accel/field/bricks.hpp"

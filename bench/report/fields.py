@@ -9,7 +9,8 @@ alt = charts.alt
 
 CAPTION = """How far distances near the surface are off, and what the samples cost, against the cells along the mesh's
 longest side. Trilinear look-ups lose four times less with twice the resolution where the distance is smooth, tricubic ones
-more; at edges, on the medial axis and on a mesh's own facets both only halve it. Samples: how far the
+more; at edges, on the medial axis and on a mesh's own facets both only halve it. For rays (the set trace) trilinear look-ups
+are the better ones: by tricubic ones they take twice the steps, and a few of them run out of these. Samples: how far the
 distances that a field keeps in its band are off, whatever their sign. A hollow mark is a peer; the line of a method is its
 best knobs at each resolution. Builds begin with the mesh: trees are part of them."""
 

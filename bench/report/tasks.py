@@ -32,7 +32,9 @@ TASKS = {
         "triangle", "query", "share of wrong answers",
         "Points on the surface belong to the mesh, and only methods that claim to be exact must say so. A damaged mesh "
         "(its name says how, after the plus) is held against what was inside of it before: there nobody promises anything.",
-        (("near", "a thousandth of the diagonal off a random point of the surface"),
+        (("near", "a thousandth of the diagonal off a random point of the surface, in random order"),
+         ("near_sorted, uniform_sorted", "the same queries, each near the one before: our trees put a batch in order by "
+          "themselves, peers are asked one point after the other"),
          ("uniform", "anywhere in the mesh's box"),
          ("far", "two to four diagonals away"),
          ("centre", "in the middle of the box"),
