@@ -78,6 +78,7 @@ struct GridOptions {
   int columns = 32, rows = 16;
   long samples = 200'000;
   std::uint64_t seed = 1;
+  int depth = 6;  ///< halvings of a bin across which its density has an edge
 };
 
 /// A sampler of [0, 1)² against its density there. sample(Pcg32&) gives an optional Vec2d: none where the
@@ -111,7 +112,7 @@ ChiSquare chi_square_square(const Sample& sample, const Density& density, const 
   for (std::size_t i = 0; i < bins; ++i) {
     const auto x = static_cast<double>(i % static_cast<std::size_t>(o.columns)),
                y = static_cast<double>(i / static_cast<std::size_t>(o.columns));
-    expected[i] = integral(f, x * w, (x + 1) * w, y * h, (y + 1) * h, tolerance, 8);
+    expected[i] = integral(f, x * w, (x + 1) * w, y * h, (y + 1) * h, tolerance, o.depth);
     mass += expected[i];
     expected[i] *= n;
   }
