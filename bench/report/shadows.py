@@ -23,10 +23,17 @@ EXPECTED = "what {rays} scrambled Sobol points leave on an edge that lies anywhe
 WIDTH = """The width of a penumbra, from 10 to 90 % of the light, over the true one, on a straight edge: how wide each method makes
 it. 1 is right; a hard shadow has none and stands at the left edge."""
 
-FIGURES = """Scenes made so that theory says how wrong a method is: what its row says against what it should. On the line they
-agree: false shadow is the share of a tilted plane that shadows itself under too little bias, a gap is the length of shadow
-that a bias takes from a wall's foot, a leak is the most light that passes two blockers."""
-NAMES = {"shadow_false_dark": "false shadow", "shadow_gap": "gap", "shadow_max": "leak"}
+FIGURES = """Scenes made so that theory says what a method gets wrong, or how wide it makes a penumbra: what its row says against
+what it should. On the line they agree; what is off it is a mistake of ours or of the theory. A mark's tooltip names its scene
+and knobs. {words}"""
+NAMES = {
+    "shadow_false_dark": ("False shadow", "share of a tilted plane that shadows itself under too little bias"),
+    "shadow_gap": ("Gap", "length of shadow that a bias takes from a wall's foot, metres"),
+    "shadow_max": ("Leak", "most light that passes stacked blockers through two or four moments"),
+    "shadow_width": ("Penumbra", "its width, from 10 to 90 % of the light, under a filter of a given size, metres"),
+    "shadow_levels": ("Levels", "different answers that a filter of so many taps has"),
+    "shadow_wrong": ("Off by one", "share of the picture that counts from inside a shadow get wrong"),
+}
 
 
 def cards(task, numbers, width="container"):
@@ -150,25 +157,29 @@ def told(rows):
 
 
 def _figures(task, width):
-    values = [{"what": NAMES.get(field, field), "is": is_, "should": should,
-               "label": f"{r.dataset}, {r.method}, {knob_text(r.build_knobs)}, {knob_text(r.query_knobs)}"}
-              for r, field, is_, should in told(task.rows)]  # fmt: skip
-    if not values:
-        return Card("", "", "", [])
-    most = max(max(v["is"], v["should"]) for v in values)
+    by_field = {}
+    for row, field, is_, should in told(task.rows):
+        by_field.setdefault(field, []).append({"is": is_, "should": should, "label": ", ".join(
+            (row.dataset, row.method, knob_text(row.build_knobs), knob_text(row.query_knobs)))})  # fmt: skip
+    figures, words = [], []
+    for field in [f for f in NAMES if f in by_field] + [f for f in by_field if f not in NAMES]:
+        name, what = NAMES.get(field, (field, field))
+        words.append(f"{name}: {what}.")
+        title = f"{name} ({len(by_field[field])} rows)"
+        figures.append(Figure(f"{task.name}-theory-{field}", title, "", _theory_chart(by_field[field], width)))
+    return Card(f"{task.name}-card-theory", "What theory says", FIGURES.format(words=" ".join(words)), figures)
+
+
+def _theory_chart(values, width):
+    most = max(max(v["is"], v["should"]) for v in values) or 1
     scale = alt.Scale(domain=[0, most], nice=True)
     base = alt.Chart(alt.Data(values=values))
     x = alt.X("should:Q", scale=scale, axis=alt.Axis(title="what theory says", gridOpacity=0.5))
     y = alt.Y("is:Q", scale=scale, axis=alt.Axis(title="measured", gridOpacity=0.5))
-    names = list(dict.fromkeys(v["what"] for v in values))
-    color = alt.Color("what:N", scale=alt.Scale(domain=names, range=["#D55E00", "#0072B2", "#009E73"][: len(names)]),
-                      legend=alt.Legend(title=None, orient="bottom", symbolType="circle"))  # fmt: skip
     same = alt.Chart(alt.Data(values=[{"should": 0, "is": 0}, {"should": most, "is": most}])).mark_line(
         color=INK, strokeDash=[3, 3], opacity=0.6).encode(x=x, y=y)  # fmt: skip
-    dots = base.mark_point(filled=True, size=40, opacity=0.8).encode(x=x, y=y, color=color, tooltip=alt.Tooltip("label:N"))
-    chart = alt.layer(same, dots).properties(width=width, height=280)
-    figure = Figure(f"{task.name}-theory", "Measured against theory", task.datasets[0] if task.datasets else "", chart)
-    return Card(f"{task.name}-card-theory", "What theory says", FIGURES, [figure])
+    dots = base.mark_point(filled=True, size=40, opacity=0.7, color="#0072B2").encode(x=x, y=y, tooltip=alt.Tooltip("label:N"))
+    return alt.layer(same, dots).properties(width=width, height=220)
 
 
 def rms(values):
