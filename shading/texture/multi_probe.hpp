@@ -19,8 +19,8 @@ void probe(const MipChain& chain, const Footprint& f, int n, int m, float level,
   for (int j = 0; j < m; ++j)
     for (int i = 0; i < n; ++i) {
       const double a = k * ((2 * i + 1.0) / n - 1), b = k * ((2 * j + 1.0) / m - 1);
-      add_trilinear<channels>(chain, f.x + a * f.ux + b * f.vx, f.y + a * f.uy + b * f.vy, level, weight,
-                              out);
+      add_trilinear<channels>(chain, static_cast<float>(f.x + a * f.ux + b * f.vx),
+                              static_cast<float>(f.y + a * f.uy + b * f.vy), level, weight, out);
     }
 }
 

@@ -114,42 +114,43 @@ template <int channels, class Entry>
   if constexpr (8 * channels < lanes<Entry>) add_moved_up<8 * channels, Entry>(v, all);
 }
 
-template <class Vec>
-[[gnu::always_inline]] inline void put(const Vec& v, void* to, bool past_cache) {
+template <bool past_cache, class Vec>
+[[gnu::always_inline]] inline void put(const Vec& v, void* to) {
 #if TREELINE_SIMD == 512
-  if constexpr (sizeof(Vec) == 64) {
-    if (past_cache) return _mm512_stream_si512(static_cast<__m512i*>(to), (__m512i)v);
-  }
+  if constexpr (past_cache && sizeof(Vec) == 64)
+    return _mm512_stream_si512(static_cast<__m512i*>(to), (__m512i)v);
 #elif TREELINE_SIMD == 256
-  if constexpr (sizeof(Vec) == 32) {
-    if (past_cache) return _mm256_stream_si256(static_cast<__m256i*>(to), (__m256i)v);
-  }
+  if constexpr (past_cache && sizeof(Vec) == 32)
+    return _mm256_stream_si256(static_cast<__m256i*>(to), (__m256i)v);
 #endif
-  static_cast<void>(past_cache);
   std::memcpy(to, &v, sizeof v);
 }
 
-/// Tables above this many bytes do not stay in the cache anyway.
-inline constexpr std::size_t cached_bytes = std::size_t{4} << 20;
+/// Tables above this many bytes do not stay in the cache anyway, beside the texture.
+inline constexpr std::size_t cached_bytes = std::size_t{2} << 20;
 
 inline constexpr int band = 4;              ///< rows side by side
 inline constexpr int tile_rows = 64;        ///< that a thread takes at once
 inline constexpr int tile_bytes = 1 << 12;  ///< of a row of the table
 
 /// One tile's rows from `y` on, entries [begin, end) of each; begin and the tile's width are whole
-/// registers but at the right border. `above` is the row of column sums, `left` the carries of these rows.
-template <int rows, int channels, class Source, class Entry>
+/// registers but at the right border. `above` is the row of column sums, `left` the carries of these rows, or
+/// null for tiles that begin at the left border and end at the right one.
+template <int rows, int channels, bool past_cache, class Source, class Entry>
 void tile_rows_at(const Source& source, int y, std::size_t begin, std::size_t end, Entry* above,
-                  Register<Entry>* left, Entry* const* to, bool past_cache) {
+                  Register<Entry>* left, Table<Entry>& table) {
   constexpr std::size_t n = lanes<Entry>;
   Source here = source;  // may keep count of what it meets
-  Register<Entry> carry[rows];
-  for (int r = 0; r < rows; ++r) carry[r] = left[r];
+  Register<Entry> carry[rows] = {};
+  if (left)
+    for (int r = 0; r < rows; ++r) carry[r] = left[y + r];
   const float* from[rows];
-  for (int r = 0; r < rows; ++r) from[r] = here.row(y + r);
+  Entry* to[rows];
+  for (int r = 0; r < rows; ++r) from[r] = here.row(y + r), to[r] = table.row(y + r);
   const auto step = [&](std::size_t x, const float* const* p, std::size_t offset) {
     Register<Entry> sum;
     std::memcpy(&sum, above + x, sizeof sum);
+#pragma GCC unroll 8  // or carries go through memory
     for (int r = 0; r < rows; ++r) {
       Register<Entry> v;
       here.template load<channels>(p[r] + offset, x, v);
@@ -157,7 +158,7 @@ void tile_rows_at(const Source& source, int y, std::size_t begin, std::size_t en
       v += carry[r];
       last_pixel<channels, Entry>(v, carry[r], std::make_integer_sequence<int, lanes<Entry>>{});
       sum += v;
-      put(sum, to[r] + x, past_cache);
+      put<past_cache>(sum, to[r] + x);
     }
     std::memcpy(above + x, &sum, sizeof sum);
   };
@@ -169,7 +170,8 @@ void tile_rows_at(const Source& source, int y, std::size_t begin, std::size_t en
     for (int r = 0; r < rows; ++r) std::copy(from[r] + x, from[r] + end, rest[r]), p[r] = rest[r];
     step(x, p, 0);
   }
-  for (int r = 0; r < rows; ++r) left[r] = carry[r];
+  if (left)
+    for (int r = 0; r < rows; ++r) left[y + r] = carry[r];
   here.leave();
 }
 
@@ -189,7 +191,7 @@ void sum_up(const Source& source, const Image& image, Table<Entry>& table, int t
   const std::size_t wide = threads == 1 ? (width + n - 1) / n * n : tile_bytes / sizeof(Entry);
   const int columns = static_cast<int>((width + wide - 1) / wide);
   const int bands = static_cast<int>((height + tile_rows - 1) / tile_rows);
-  std::vector<Register<Entry>> left(height);
+  std::vector<Register<Entry>> left(columns > 1 ? height : 0);
   const std::size_t padded = (width + n - 1) / n * n;
   std::vector<Entry> above(padded);
   const bool past_cache = table.bytes() > cached_bytes;
@@ -197,17 +199,16 @@ void sum_up(const Source& source, const Image& image, Table<Entry>& table, int t
     constexpr int channels = count;
     wavefront(bands, columns, threads, [&](int r, int c) {
       const std::size_t begin = static_cast<std::size_t>(c) * wide, end = std::min(width, begin + wide);
-      int y = r * tile_rows;
-      const int stop = std::min(image.height, y + tile_rows);
-      Entry* to[band];
-      for (; y + band <= stop; y += band) {
-        for (int k = 0; k < band; ++k) to[k] = table.row(y + k);
-        tile_rows_at<band, channels>(source, y, begin, end, above.data(), left.data() + y, to, past_cache);
-      }
-      for (; y < stop; ++y) {
-        to[0] = table.row(y);
-        tile_rows_at<1, channels>(source, y, begin, end, above.data(), left.data() + y, to, past_cache);
-      }
+      const int top = r * tile_rows, bottom = std::min(image.height, top + tile_rows);
+      const auto fill = [&](auto past) {
+        Register<Entry>* carries = columns > 1 ? left.data() : nullptr;
+        int y = top;
+        for (; y + band <= bottom; y += band)
+          tile_rows_at<band, channels, past>(source, y, begin, end, above.data(), carries, table);
+        for (; y < bottom; ++y)
+          tile_rows_at<1, channels, false>(source, y, begin, end, above.data(), carries, table);
+      };
+      past_cache ? fill(std::true_type{}) : fill(std::false_type{});
 #if TREELINE_SIMD >= 256
       if (past_cache) _mm_sfence();
 #endif

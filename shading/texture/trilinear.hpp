@@ -5,6 +5,9 @@
 // longer side, as in hardware.
 #pragma once
 
+#include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <memory>
 
 #include "shading/texture/mip_chain.hpp"
@@ -23,14 +26,34 @@ struct Widths {
   double u, v;
   explicit Widths(const Footprint& f) {
     const double k = 2 * box_factor(f.shape);
-    u = k * (f.uy == 0 ? std::abs(f.ux) : std::hypot(f.ux, f.uy));
-    v = k * (f.vx == 0 ? std::abs(f.vy) : std::hypot(f.vx, f.vy));
+    // Not hypot: it takes as long as the look-up, and no texture is 1e150 texels wide.
+    u = k * std::sqrt(f.ux * f.ux + f.uy * f.uy);
+    v = k * std::sqrt(f.vx * f.vx + f.vy * f.vy);
   }
 };
 
+/// To 7e-7, and exactly of powers of two, in a few instructions that loops can take many of at once. Below
+/// the least normal number it is -126 or less. x not negative.
+inline float log2_of(float x) {
+  constexpr std::int32_t half = 0x3f3504f3;  // sqrt(1/2): mantissas are from there to sqrt(2)
+  const auto bits = std::bit_cast<std::int32_t>(x);
+  const std::int32_t exponent = (bits - half) >> 23;
+  const float t = std::bit_cast<float>(bits - exponent * (1 << 23)) - 1;
+  // log2(1 + t) / t at Chebyshev's points of that interval.
+  float p = 0.16818659f;
+  for (const float c : {-0.26796386f, 0.29611957f, -0.35952446f, 0.48061311f, -0.72136021f, 1.44269657f})
+    p = p * t + c;
+  return static_cast<float>(exponent) + t * p;
+}
+
 /// The level, fractional, whose texels are that wide.
 inline float level_of(double width, double bias) {
-  return std::log2(static_cast<float>(width)) + static_cast<float>(bias);
+  return log2_of(static_cast<float>(width)) + static_cast<float>(bias);
+}
+/// The square of the longer side of the box that the footprint is taken for.
+inline float longer_squared(const Footprint& f) {
+  const double k = 2 * box_factor(f.shape);
+  return static_cast<float>(k * k * std::max(f.ux * f.ux + f.uy * f.uy, f.vx * f.vx + f.vy * f.vy));
 }
 
 /// Adds `weight` times the level at (x, y), which are in its own texels, between the four nearest.
@@ -52,15 +75,15 @@ void add_bilinear(const MipChain& chain, const MipChain::Level& l, float x, floa
 
 /// Adds `weight` times the pyramid at (x, y) of the texture, at a fractional level.
 template <int channels>
-void add_trilinear(const MipChain& chain, double x, double y, float level, float weight, float* out) {
+void add_trilinear(const MipChain& chain, float x, float y, float level, float weight, float* out) {
   const float top = static_cast<float>(chain.levels() - 1);
   level = level > 0 ? std::min(level, top) : 0.0f;  // also where it is no number
   const int l = static_cast<int>(level);
   const float share = level - static_cast<float>(l);
   const auto add = [&](int at, float w) {
     const MipChain::Level& here = chain.level(at);
-    add_bilinear<channels>(chain, here, static_cast<float>(x * here.scale_x),
-                           static_cast<float>(y * here.scale_y), w, out);
+    add_bilinear<channels>(chain, here, x * static_cast<float>(here.scale_x),
+                           y * static_cast<float>(here.scale_y), w, out);
   };
   add(l, weight * (1 - share));
   if (share > 0) add(l + 1, weight * share);
@@ -91,16 +114,28 @@ class Trilinear : public OnMipChain {
   explicit Trilinear(std::shared_ptr<const MipChain> chain, double bias = 0)
       : OnMipChain(std::move(chain)), bias_(bias) {}
 
-  void mean(const Footprint& f, float* out) const {
-    const mip::Widths w(f);
-    const float level = mip::level_of(std::max(w.u, w.v), bias_);
+  void mean(const Footprint& f, float* out) const { means({&f, 1}, out); }
+  /// All levels of a block before its look-ups: in one go, each query would wait for its own logarithm. Of
+  /// squares, which need no root.
+  void means(std::span<const Footprint> footprints, float* out) const {
+    const auto bias = static_cast<float>(bias_);
     with_channels(channels(), [&](auto count) {
-      std::fill_n(out, +count, 0.0f);
-      mip::add_trilinear<count>(chain(), f.x, f.y, level, 1, out);
+      std::fill_n(out, footprints.size() * count, 0.0f);
+      for (std::size_t i = 0; i < footprints.size(); i += block) {
+        const auto part = footprints.subspan(i, std::min(block, footprints.size() - i));
+        float level[block];
+        for (std::size_t k = 0; k < part.size(); ++k) level[k] = mip::longer_squared(part[k]);
+        for (std::size_t k = 0; k < part.size(); ++k) level[k] = 0.5f * mip::log2_of(level[k]) + bias;
+        for (std::size_t k = 0; k < part.size(); ++k, out += count)
+          mip::add_trilinear<count>(chain(), static_cast<float>(part[k].x), static_cast<float>(part[k].y),
+                                    level[k], 1, out);
+      }
     });
   }
 
  private:
+  static constexpr std::size_t block = 64;
+
   double bias_;
 };
 static_assert(RegionAverager<Trilinear>);

@@ -35,6 +35,31 @@ TEST(TextureMips, LevelsAreMeansOverTheirShareOfTheTexture) {
   }
 }
 
+TEST(TextureMips, ABatchIsAnsweredAsItsFootprintsAreOneByOne) {
+  const Image image = random_levels(200, 120, 2);
+  const Trilinear trilinear(image, best_bias);
+  std::vector<Footprint> asked;
+  for (int i = 0; i < 300; ++i)  // more than are looked up together, and no multiple of it
+    asked.push_back(rotated_box(0.7 * i, 0.4 * i, 0.1 * i, 0.03 * i, 0.37 * i));
+  std::vector<float> all(2 * asked.size()), one(2);
+  means(trilinear, asked, all);
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    trilinear.mean(asked[i], one.data());
+    EXPECT_EQ(one[0], all[2 * i]) << i;
+    EXPECT_EQ(one[1], all[2 * i + 1]) << i;
+  }
+}
+
+TEST(TextureMips, LogarithmsAreNear) {
+  for (int e = -20; e < 30; ++e) {
+    EXPECT_EQ(mip::log2_of(std::ldexp(1.0f, e)), static_cast<float>(e));
+    for (int i = 1; i < 1000; ++i) {
+      const float x = std::ldexp(1 + 0.001f * static_cast<float>(i), e);
+      EXPECT_NEAR(double(mip::log2_of(x)), std::log2(double(x)), 7e-7 + 1e-7 * std::abs(e)) << x;
+    }
+  }
+}
+
 TEST(TextureMips, OddSidesLoseNoWeight) {
   const Image image = random_levels(117, 53, 1);
   const MipChain chain(image);
