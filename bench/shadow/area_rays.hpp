@@ -6,18 +6,20 @@
 #include <string>
 
 #include "bench/core/registry.hpp"
+#include "bench/shadow/lights.hpp"
 #include "bench/shadow/method.hpp"
 #include "shading/shadow/area_rays.hpp"
 
 namespace treeline::bench::shadow {
 
-/// rays a receiver, of the best pattern; and 16 of the others.
-inline std::vector<Knobs> area_ray_knobs(bool patterns) {
+/// rays a receiver, of the best pattern; and of our own more, for small tolerances, and 16 of the others.
+inline std::vector<Knobs> area_ray_knobs(bool ours) {
   std::vector<Knobs> all;
   for (const int rays : {16, 4, 64, 1, 2, 8, 32}) all.push_back({{"rays", rays}});
-  if (patterns)
-    for (const char* pattern : {"jittered", "random", "regular"})
-      all.push_back({{"rays", 16}, {"pattern", pattern}});
+  if (!ours) return all;
+  all.push_back({{"rays", 256}});
+  for (const char* pattern : {"jittered", "random", "regular"})
+    all.push_back({{"rays", 16}, {"pattern", pattern}});
   return all;
 }
 inline shading::shadow::SamplePattern pattern_of(const Knobs& knobs) {
@@ -40,6 +42,8 @@ class AreaRaySubject : public ShadowSubject {
 
   void visibility(std::span<const Receiver> receivers, const Knobs& knobs, int threads,
                   std::span<float> out) override {
+    if (is_hard(scene_.light) && knobs != Knobs{{"rays", 1}})
+      throw Unsupported("a light without extent takes one ray, whatever is asked");
     shading::shadow::AreaRayOptions o;
     o.samples = knobs.value("rays", 16), o.pattern = pattern_of(knobs), o.offset = offset_;
     const shading::shadow::AreaRays rays(*tree_, scene_, o);

@@ -1,5 +1,6 @@
 #include "bench/shadow/figures.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -39,24 +40,96 @@ std::optional<Figure> acne(const shading::Scene& scene, const Knobs& build, cons
 }
 
 /// A bias b along the light lifts the receiver by b, and so over the wall if it is nearer to its foot than b
-/// times the light's part across the wall; the wall's own thickness counts back.
-std::optional<Figure> gap(const shading::Scene& scene, const Knobs& query) {
-  if (!query.contains("constant")) return std::nullopt;
+/// times the light's part across the wall; the wall's own thickness counts back. By the slope it is the bound
+/// of shading/shadow/bias.hpp. An offset along the normal lifts the receiver straight up: past the wall's top
+/// at its tip, and nothing at its foot.
+std::optional<Figure> gap(const shading::Scene& scene, const Knobs& build, const Knobs& query) {
   const auto view = view_of(scene);
   const double thickness = scene_knobs(scene.name, "wall_on_floor")[0];
-  const double b = query.at("constant").get<double>() * (view.far - view.near);
+  if (query.value("plane", false)) return std::nullopt;
+  if (query.contains("offset")) return Figure{"shadow_gap", 0, 0};
+  double b = query.value("constant", 0.0) * (view.far - view.near);
+  if (query.contains("bias")) {
+    const geometry::Vec3d up{0, 1, 0};
+    const double cosine = -dot(view.forward, up);
+    const int n = build.at("resolution").get<int>();
+    // Of the floor's depth, by texel: what its normal has across the map over what it has along the light.
+    const double across = std::abs(dot(view.right, up)) * view.texel_width(n, 1),
+                 down = std::abs(dot(view.down, up)) * view.texel_height(n, 1);
+    b += query.at("bias").get<double>() * 0.5 * (across + down) / cosine;
+  }
   return Figure{"shadow_gap", std::max(0.0, b * std::abs(scene.light.direction[0]) - thickness), b};
 }
 
+/// What is above the cut, scaled to begin at 0.
+double above_cut(double share, double cut) { return std::max(0.0, (share - cut) / (1 - cut)); }
+
 /// Blockers at depths a < b before the receiver t, r = (t - b)/(b - a), in shares p and 1 - p of the filter:
-/// two moments leak p(1 - p)/(p(1 - p) + (r + p)²), at most 1/(1 + 2r)², where p = r/(1 + 2r). Cutting leaks
-/// rescales what is above the cut.
-std::optional<Figure> leak(const shading::Scene& scene, const Knobs& query) {
+/// two moments leak p(1 - p)/(p(1 - p) + (r + p)²), at most 1/(1 + 2r)², where p = r/(1 + 2r). Four moments
+/// tell two depths apart: nothing leaks but what the bias of the moments, alpha, lets through.
+std::optional<Figure> leak_of_two(const shading::Scene& scene, const std::string& method,
+                                  const Knobs& query) {
   const double r = scene_knobs(scene.name, "two_stacked")[0], cut = query.value("cut", 0.0);
-  if (query.value("bias", 0.0) != 0) return std::nullopt;
-  const double most = 1 / ((1 + 2 * r) * (1 + 2 * r));
-  return Figure{"shadow_max", std::max(0.0, (most - cut) / (1 - cut))};
+  if (method == "msm") return Figure{"shadow_max", 0};
+  return Figure{"shadow_max", above_cut(1 / ((1 + 2 * r) * (1 + 2 * r)), cut)};
 }
+
+/// Blockers at depths 0, 1, 2 before the receiver at t = 2 + g, in shares p of the filter. Two moments leak
+/// their Chebyshev bound. Four leak what the deepest support point may weigh, 1/(vᵀ B⁻¹ v) with B the matrix
+/// of moments and v = (1, t, t²); that is 1/Σ L²/p with Lagrange's polynomials L at t. The most over the
+/// line of receivers, which passes from one side of the edges' crossing to the other at a slope of 0.9, while
+/// a square filter sees the first blocker in a share u, the second in w of the rest.
+Figure leak_of_three(const shading::Scene& scene, const std::string& method, const Knobs& query) {
+  const double g = scene_knobs(scene.name, "three_layers")[0], t = 2 + g, slope = 0.9;
+  const double lagrange[] = {0.5 * (t - 1) * (t - 2), -t * (t - 2), 0.5 * t * (t - 1)};
+  double most = 0;
+  constexpr int steps = 4000;
+  for (int k = 0; k <= steps; ++k) {
+    const double at = 1 - 2.0 * k / steps;
+    const double u = std::clamp(0.5 + at, 0.0, 1.0), w = std::clamp(0.5 + slope * at, 0.0, 1.0);
+    const double p[] = {u, (1 - u) * w, (1 - u) * (1 - w)};
+    const double mean = p[1] + 2 * p[2], variance = p[1] + 4 * p[2] - mean * mean;
+    double found = variance / (variance + (t - mean) * (t - mean));
+    if (method == "msm") {
+      double sum = 0;
+      for (int i = 0; i < 3; ++i) sum += lagrange[i] * lagrange[i] / p[i];
+      found = 1 / sum;  // 0 where one of the three is not in sight
+    }
+    most = std::max(most, found);
+  }
+  return {"shadow_max", above_cut(most, query.value("cut", 0.0))};
+}
+
+/// Across an edge that runs along the columns of a map a square filter of n = 2 radius + 1 texels is a ramp n
+/// texels wide, of which 80 % lie between; unless it is smooth, a stair of n steps, and so of n + 1 levels.
+/// The filter of blockers' depths makes the ramp as wide as the light is seen over the edge. Few fixed taps
+/// are as many steps.
+std::optional<Figure> penumbra(const shading::Scene& scene, const std::string& method, const Knobs& build,
+                               const Knobs& query) {
+  const auto knobs = scene_knobs(scene.name, "half_plane_edge");
+  const auto line = datasets::known_shadows(scene.name).lines.front();
+  // Along the line, which is a little askew.
+  const double askew = distance(line.from, line.to) / std::abs(line.to[0] - line.from[0]);
+  const auto view = view_of(scene);
+  if (method == "pcss") {
+    if (query.contains("width") || query.value("taps", 0) < 64) return std::nullopt;
+    return Figure{"shadow_width", 0.8 * knobs[1] * knobs[0] / (4 - knobs[0]) * askew};
+  }
+  if (method == "pcf_disc") {
+    const int taps = query.at("taps").get<int>();
+    if (taps > 2 * query.at("radius").get<int>()) return std::nullopt;  // some share a column of texels
+    return Figure{"shadow_levels", taps + 1.0};
+  }
+  const int n = 2 * query.at("radius").get<int>() + 1;
+  if (!query.at("smooth").get<bool>()) return Figure{"shadow_levels", n + 1.0};
+  const double texel =
+      view.texel_width(build.at("resolution").get<int>(), dot(line.from - view.origin, view.forward));
+  return Figure{"shadow_width", 0.8 * n * texel * askew};
+}
+
+/// Counts from an eye that is inside of a shadow's volume are less by one everywhere: what is lit counts -1,
+/// which is not 0, and what is in the shadow counts 0.
+Figure inside_volume() { return {"shadow_wrong", 1}; }
 
 }  // namespace
 
@@ -65,10 +138,19 @@ std::optional<Figure> figure_of(const shading::Scene& scene, const std::string& 
   if (is_scene_of(scene.name, "tilted_plane") && set == "image" && method == "shadow_map")
     return acne(scene, build, query);
   if (is_scene_of(scene.name, "wall_on_floor") && set == "contact" && method == "shadow_map")
-    return gap(scene, query);
-  if (is_scene_of(scene.name, "two_stacked") && set == "leak" && method == "vsm" &&
-      build.value("radius", 0) >= 1)
-    return leak(scene, query);
+    return gap(scene, build, query);
+  if (set == "leak" && (method == "vsm" || method == "msm") && build.value("radius", 0) >= 1 &&
+      query.value("bias", 0.0) == 0) {
+    if (is_scene_of(scene.name, "two_stacked")) return leak_of_two(scene, method, query);
+    if (is_scene_of(scene.name, "three_layers")) return leak_of_three(scene, method, query);
+  }
+  if (is_scene_of(scene.name, "half_plane_edge") && set == "edge" &&
+      (method == "pcf" || method == "pcf_disc" || method == "pcss"))
+    return penumbra(scene, method, build, query);
+  constexpr double box_ends = 1.5;
+  if (is_scene_of(scene.name, "eye_inside_volume") && set == "image" && method == "shadow_volumes_z_pass" &&
+      scene_knobs(scene.name, "eye_inside_volume")[0] < box_ends)
+    return inside_volume();
   return std::nullopt;
 }
 

@@ -37,7 +37,8 @@ Errors judged(std::span<const float> answers, std::span<const double> truth, dou
       {"shadow_penumbra", penumbra > 0 ? Knobs(std::sqrt(between / double(penumbra))) : Knobs(nullptr)},
       {"shadow_penumbra_share", double(penumbra) / count},
       {"shadow_false_lit", double(lit) / count},
-      {"shadow_false_dark", double(dark) / count}};
+      {"shadow_false_dark", double(dark) / count},
+      {"shadow_wrong", double(lit + dark) / count}};
   return e;
 }
 

@@ -7,7 +7,10 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
+#include <optional>
+#include <tuple>
 
 #include "bench/core/cells.hpp"
 #include "bench/ray/png.hpp"
@@ -24,8 +27,11 @@ constexpr Colour not_asked{0.17f, 0.2f, 0.3f}, too_light{1.0f, 0.55f, 0.1f}, too
 constexpr float right = 0.1f;           // the grey of no error
 constexpr double shown = 0.5;           // the power of errors that is: most are small
 constexpr std::size_t least_steps = 3;  // of a strip
-/// Scenes that get strips: one of a single wide penumbra, one of distances. Many would be as many megabytes.
-constexpr const char* with_strips[] = {"sphere_over_floor", "city"};
+/// Strips of a scene, those whose knob changes the error most: all would be many megabytes.
+constexpr std::size_t most_strips = 4;
+constexpr double least_change = 0.01;  // of the error, or a knob does not matter
+/// Scenes of a single wide penumbra, and of distances: all strips that there are, builds included.
+constexpr const char* with_all_strips[] = {"sphere_over_floor", "city"};
 
 void put(Image& image, std::uint32_t pixel, const Colour& c) {
   std::copy_n(c.begin(), 3, image.values.begin() + std::ptrdiff_t{3} * pixel);
@@ -83,7 +89,11 @@ class Painter {
     try {
       const auto subject = block_.build(m, build, threads_);
       for (const Knobs& query : methods_[m].info.query_knobs) {
-        subject->run(0, query, threads_);
+        try {
+          subject->run(0, query, threads_);
+        } catch (const Unsupported&) {
+          continue;
+        }
         const auto answers = ShadowBlock::answers(*subject);
         Answered a{
             build, query, {answers.begin(), answers.end()}, *block_.check(m, *subject, 0, query).error};
@@ -134,6 +144,23 @@ std::pair<std::string, std::vector<const Answered*>> strip_of(const std::vector<
   return best;
 }
 
+/// The configurations of a method, and those of them that make a strip.
+struct Strip {
+  std::string method, knob;
+  std::vector<Answered> all;
+  std::vector<const Answered*> run;
+  double change = 0;  // of the error, from the worst step to the best
+};
+
+std::optional<Strip> strip_of_method(const std::string& method, std::vector<Answered> all) {
+  Strip s{method, {}, std::move(all), {}, 0};
+  std::tie(s.knob, s.run) = strip_of(s.all);
+  if (s.run.size() < least_steps) return std::nullopt;
+  const auto [least, most] = std::ranges::minmax(s.run, {}, &Answered::error);
+  s.change = most->error - least->error;
+  return s.change >= least_change ? std::optional(std::move(s)) : std::nullopt;
+}
+
 std::string knobs_of(const Answered& a) {
   Knobs all = a.build;
   all.update(a.query);
@@ -167,33 +194,42 @@ void draw_pictures(const std::vector<Method>& methods, ShadowBlock& block, const
   const Painter painter(block, methods, threads);
   std::vector<Image> panels{painter.truth_panel()};
   std::string names = "the truth";
+  std::vector<Strip> strips;
+  const bool all_strips = std::ranges::find(with_all_strips, dataset) != std::end(with_all_strips);
   for (std::size_t m = 0; m < methods.size(); ++m) {
     const MethodInfo& info = methods[m].info;
+    if (info.hard_cases_only || !block.offers(m)) continue;
     std::vector<Answered> all = painter.asked(m, info.build_knobs.front());
     if (all.empty()) continue;
     const Answered& best = *std::ranges::min_element(all, {}, &Answered::error);
     panels.push_back(painter.panel(best));
     names += fmt::format(", {}{} {:.3g}", info.name, knobs_of(best), best.error);
-    if (info.source == Source::peer || std::ranges::find(with_strips, dataset) == std::end(with_strips))
-      continue;
-    for (std::size_t b = 1; b < std::min(info.build_knobs.size(), info.quick_builds); ++b)
+    if (info.source == Source::peer) continue;
+    // Of the plain map, which is soon made, every resolution.
+    const std::size_t builds = info.name == "shadow_map" ? info.build_knobs.size()
+                               : all_strips ? std::min(info.build_knobs.size(), info.quick_builds)
+                                            : 1;
+    for (std::size_t b = 1; b < builds; ++b)
       for (Answered& a : painter.asked(m, info.build_knobs[b])) all.push_back(std::move(a));
-    const auto [knob, run] = strip_of(all);
-    if (run.size() < least_steps) continue;
+    if (auto strip = strip_of_method(info.name, std::move(all))) strips.push_back(std::move(*strip));
+  }
+  std::ranges::sort(strips, std::greater(), &Strip::change);
+  if (!all_strips && strips.size() > most_strips) strips.resize(most_strips);
+  for (const Strip& s : strips) {
     std::vector<Image> strip;
     std::string steps;
-    for (const Answered* a : run) {
+    for (const Answered* a : s.run) {
       strip.push_back(painter.panel(*a));
       Knobs both = a->build;
       both.update(a->query);
-      steps += fmt::format("{}{} {:.3g}", steps.empty() ? "" : ", ", both.at(knob).dump(), a->error);
+      steps += fmt::format("{}{} {:.3g}", steps.empty() ? "" : ", ", both.at(s.knob).dump(), a->error);
     }
-    add(info.name + "_" + knob, ray::beside(strip, static_cast<int>(strip.size())),
-        fmt::format("{} by {}", info.name, knob),
+    add(s.method + "_" + s.knob, ray::beside(strip, static_cast<int>(strip.size())),
+        fmt::format("{} by {}", s.method, s.knob),
         fmt::format("From left to right {} and error: {}. Under each where it is too light, orange, or too "
                     "dark, blue.",
-                    knob, steps),
-        info.name, "strip");
+                    s.knob, steps),
+        s.method, "strip");
   }
   add("methods", ray::beside(panels, columns), "The share of the light that is seen, by every method",
       fmt::format("Row after row, each with its error: {}. Under each where it is too light, orange, or too "

@@ -70,7 +70,8 @@ std::unique_ptr<ShadowSubject> pass(const Input& input, const Knobs&) {
                   .build_knobs = {{{"cut", "far"}}, {{"cut", "caps"}}, {{"cut", "casters"}}},
                   .stress_builds = {0, 1, 2},
                   .ladder = 28,
-                  .scales = false},
+                  .scales = false,
+                  .hard_cases_only = true},
          .build = fail});
 
 }  // namespace

@@ -50,7 +50,8 @@ LightForm form_of(const datasets::KnownShadows& known) {
 
 void take_scene(BlockInput& input, datasets::Dataset&& dataset, const RunContext& context, int version) {
   if (const auto given = context.own.find("--light"); given != context.own.end())
-    dataset.scene.light = datasets::parse_light(given->second);
+    dataset.scene.light = datasets::parse_light(given->second),
+    dataset.scene.name.clear();  // what is known of the scene is so under its own light
   input.dataset_hash = dataset.hash(), input.seed = dataset.seed;
   input.scene = std::move(dataset.scene);
   input.truth_cache = context.truth_cache, input.version = version;

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -260,29 +261,45 @@ TEST(ShadowProgram, SmokeProfileEndsWell) {
     EXPECT_TRUE(row["status"] == "ok" || row["status"] == "unsupported" || row["status"] == "not_built")
         << row;
   }
-  EXPECT_EQ(methods.size(), task().methods().size() + task().not_built().size());
+  const auto everywhere =
+      std::ranges::count_if(task().methods(), [](const MethodInfo& m) { return !m.hard_cases_only; });
+  EXPECT_EQ(methods.size(), static_cast<std::size_t>(everywhere) + task().not_built().size());
   EXPECT_EQ(sets, (std::set<std::string>{"image", "edge", "motion"}));
 }
 
 TEST(ShadowProgram, FiguresOfTheory) {
-  std::size_t acne = 0, gaps = 0, leaks = 0;
-  const auto rows = rows_of(
+  std::map<std::string, std::size_t> found;  // rows by field
+  auto rows = rows_of(
       "--stress --dataset shadow_tilted_plane_60_0 --dataset shadow_tilted_plane_85_0 "
-      "--dataset shadow_tilted_plane_60_45 --dataset shadow_wall_on_floor_0.01 --dataset "
-      "shadow_two_stacked_1 "
-      "--dataset shadow_two_stacked_0.5 --dataset shadow_two_stacked_0.1 "
-      "--benchmark_filter='/(shadow_map|vsm)/'");
+      "--dataset shadow_tilted_plane_60_45 --dataset shadow_wall_on_floor_0.01 "
+      "--dataset shadow_two_stacked_1 --dataset shadow_two_stacked_0.5 --dataset shadow_two_stacked_0.1 "
+      "--dataset shadow_three_layers_1 --dataset shadow_three_layers_0.25 --dataset shadow_three_layers_0.1 "
+      "--dataset shadow_eye_inside_volume_0 --dataset shadow_eye_inside_volume_1.45 "
+      "--benchmark_filter='/(shadow_map|vsm|msm|shadow_volumes_z_pass)/'");
+  for (Json& row : rows_of("--profile quick --dataset half_plane_edge:200 "
+                           "--benchmark_filter='/edge/(pcf|pcf_disc|pcss)/'"))
+    rows.push_back(std::move(row));
+  // What texels, and receivers that are not dense, leave of each.
+  const auto allowed = [](const std::string& field, double should) {
+    if (field == "shadow_max") return 0.1 * should + 5e-4;
+    if (field == "shadow_width") return 0.03 * should;
+    if (field == "shadow_levels") return 1.0;
+    return 0.02;
+  };
   for (const Json& row : rows) {
     if (!row.contains("shadow_figure")) continue;
     const std::string field = row["shadow_figure"];
+    if (row[field].is_null()) continue;  // a penumbra wider than the line
+    ++found[field];
     const double is = row[field].get<double>(), should = row["shadow_figure_value"].get<double>();
-    const bool is_acne = field == "shadow_false_dark", is_gap = field == "shadow_gap";
-    acne += is_acne, gaps += is_gap, leaks += field == "shadow_max";
-    EXPECT_NEAR(is, should, is_acne || is_gap ? 0.02 : 0.1 * should) << row;
+    EXPECT_NEAR(is, should, allowed(field, should)) << row;
   }
-  EXPECT_GE(acne, 9u);
-  EXPECT_GE(gaps, 1u);
-  EXPECT_GE(leaks, 3u);
+  EXPECT_GE(found["shadow_false_dark"], 9u);
+  EXPECT_GE(found["shadow_gap"], 3u);
+  EXPECT_GE(found["shadow_max"], 12u);
+  EXPECT_GE(found["shadow_width"], 8u);
+  EXPECT_GE(found["shadow_levels"], 4u);
+  EXPECT_GE(found["shadow_wrong"], 2u);
 }
 
 TEST(ShadowProgram, LightsThatAreNoneAreRefused) {
