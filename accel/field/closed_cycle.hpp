@@ -2,8 +2,8 @@
 // faces look inward, as a whole or in parts that lie by themselves.
 //
 // Parts are faces that hang together by vertices, found by union-find (Tarjan 1975). Cost: some 10 ns a face
-// for the whole, 40 more for its parts. Known weakness: closedness is a fingerprint, which one open mesh in
-// 2^64 shares.
+// for the whole, 20 more to find that it has one part, 40 where it has more. Known weakness: closedness is a
+// fingerprint, which one open mesh in 2^64 shares.
 #pragma once
 
 #include <algorithm>
@@ -81,10 +81,9 @@ inline std::vector<std::uint32_t> part_of_vertices(std::span<const std::array<st
     while (part[v] != v) v = part[v] = part[part[v]];
     return v;
   };
-  for (const auto& face : faces) {
-    const std::uint32_t a = find(face[0]);
-    for (const std::size_t i : {1u, 2u}) part[find(face[i])] = a;
-  }
+  for (const auto& face : faces)
+    for (const std::size_t i : {1u, 2u})
+      if (part[face[i]] != part[face[0]]) part[find(face[i])] = find(face[0]);
   for (std::uint32_t v = 0; v < vertices; ++v) part[v] = find(v);
   return part;
 }
@@ -113,6 +112,8 @@ std::size_t parts_inside_out(const geometry::Mesh3f& mesh, Inside&& inside) {
   std::vector<std::array<std::uint32_t, 3>> welded;
   std::span<const std::array<std::uint32_t, 3>> faces = mesh.faces;
   std::vector<std::uint32_t> part = detail::part_of_vertices(faces, mesh.vertices.size());
+  if (std::ranges::all_of(faces, [&](const auto& face) { return part[face[0]] == part[faces[0][0]]; }))
+    return is_inside_out(mesh) ? 1 : 0;
   if (!detail::parts_are_closed(faces, part)) {  // a soup: by the positions of corners
     const std::vector<std::uint32_t> first = geometry::first_at_position(mesh.vertices);
     welded = mesh.faces;
