@@ -17,8 +17,8 @@ inline constexpr float horizon = 1e-18f;
 /// Inverses of smaller numbers are not taken.
 inline constexpr float smallest_square = 1e-36f;
 
-/// Yes where both directions are above the surface.
-inline Ints above(const Floats3& wi, const Floats3& wo) { return least(wi.z, wo.z) > horizon; }
+/// Yes where both directions are above the surface; no where a cosine is NaN.
+inline Ints above(const Floats3& wi, const Floats3& wo) { return (wi.z > horizon) & (wo.z > horizon); }
 
 struct LobeSample {
   Floats3 wi;
