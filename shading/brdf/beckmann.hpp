@@ -2,7 +2,7 @@
 // isotropic and anisotropic: slopes are normally distributed, with variance α²/2 along each tangent.
 //
 // D(h) = exp(-(x²/ax² + y²/ay²)/z²) / (π ax ay z⁴). Smith's masking with the error function, exactly; the
-// rational fit in common use (Walter et al. 2007) is off by up to 0.35 %, and then sampled and evaluated
+// rational fit in common use (Walter et al. 2007) is off by up to 0.31 %, and then sampled and evaluated
 // albedo do not agree.
 // Cost: an exponential by D, an exponential and an error function by the masking. Known weakness: sampling
 // what is seen has no closed form (beckmann_visible.hpp).

@@ -57,7 +57,8 @@ class Bsdf {
     if (delta() || !(wi[2] > T(0) && wo[2] > T(0))) return {};
     if (kind_ == SurfaceKind::diffuse) return reflectance_ * lambert(wi, wo);
     return with_facets([&](const auto& facets) {
-      const Colour<T> once = once_colour(wi, wo) * facets.eval(wi, wo);
+      const Direction<T> h = half_vector(wi, wo);
+      const Colour<T> once = once_colour(wo, h) * facets.eval(wi, wo, h);
       return kulla_conty_ ? once + kulla_conty_->eval(wi, wo) : once;
     });
   }
@@ -86,10 +87,12 @@ class Bsdf {
     }
     const T many = many_share(wo);
     return with_facets([&](const auto& facets) {
-      const Direction<T> wi = choice < many ? sample_lambert(u, v) : facets.sample(wo, u, v);
+      const bool matt = choice < many;
+      const Direction<T> drawn = matt ? sample_lambert(u, v) : facets.sample_normal(wo, u, v);
+      const Direction<T> wi = matt ? drawn : reflected(wo, drawn), h = matt ? half_vector(wi, wo) : drawn;
       if (!(wi[2] > T(0))) return BsdfSample<T>{};
-      const T pdf_once = facets.pdf(wi, wo);
-      const Colour<T> weight_once = once_colour(wi, wo) * facets.weight(wi, wo);
+      const T pdf_once = facets.pdf_by_normal(h, wo);
+      const Colour<T> weight_once = once_colour(wo, h) * facets.weight(wi, wo);
       if (!(many > T(0))) return BsdfSample<T>{wi, weight_once, pdf_once, false};
       const T pdf = pdf_once + (lambert_pdf(wi) - pdf_once) * many;
       return BsdfSample<T>{wi, weight_once * (pdf_once / pdf) + kulla_conty_->eval(wi, wo) * (wi[2] / pdf),
@@ -99,8 +102,8 @@ class Bsdf {
 
  private:
   /// Fresnel's factor of a single bounce, scaled up where that is how its loss is made good.
-  Colour<T> once_colour(const Direction<T>& wi, const Direction<T>& wo) const {
-    Colour<T> f = fresnel_(geometry::dot(wi, half_vector(wi, wo)));
+  Colour<T> once_colour(const Direction<T>& wo, const Direction<T>& h) const {
+    Colour<T> f = fresnel_(geometry::dot(wo, h));
     if (!turquin_) return f;
     const Colour<T> scale = turquin_->scale(wo);
     for (int i = 0; i < 3; ++i) f[i] *= scale[i];

@@ -45,18 +45,28 @@ struct Microfacets {
   /// Per steradian, without the cosine.
   T eval(const Direction<T>& wi, const Direction<T>& wo) const {
     if (!(wi[2] > T(0) && wo[2] > T(0))) return T(0);
-    return T(0.25) * normals.d(half_vector(wi, wo)) * smith_g2_by_cosines(normals, masking, wi, wo);
+    return eval(wi, wo, half_vector(wi, wo));
+  }
+  /// h: the half vector, where it is known; both above the surface.
+  T eval(const Direction<T>& wi, const Direction<T>& wo, const Direction<T>& h) const {
+    return T(0.25) * normals.d(h) * smith_g2_by_cosines(normals, masking, wi, wo);
   }
 
   /// Density of `sample` per steradian.
   T pdf(const Direction<T>& wi, const Direction<T>& wo) const {
-    if (!(wi[2] > T(0) && wo[2] > T(0))) return T(0);
-    return T(0.25) * normals.d(half_vector(wi, wo)) / detail::sampled_area(normals, wo);
+    return wi[2] > T(0) && wo[2] > T(0) ? pdf_by_normal(half_vector(wi, wo), wo) : T(0);
+  }
+  T pdf_by_normal(const Direction<T>& h, const Direction<T>& wo) const {
+    return T(0.25) * normals.d(h) / detail::sampled_area(normals, wo);
   }
 
   /// A direction wi, below the surface where the light is lost; u, v in [0, 1), wo above the surface.
   Direction<T> sample(const Direction<T>& wo, T u, T v) const {
-    return reflected(wo, detail::sampled_normal(normals, wo, u, v));
+    return reflected(wo, sample_normal(wo, u, v));
+  }
+  /// The facet's normal of such a sample.
+  Direction<T> sample_normal(const Direction<T>& wo, T u, T v) const {
+    return detail::sampled_normal(normals, wo, u, v);
   }
 
   /// f cosθi / pdf of a sample, in [0, 1].
