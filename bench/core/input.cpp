@@ -17,6 +17,8 @@ datasets::Dataset read_input(const std::string& file, datasets::Kind kind) {
     throw UsageError(std::string("--input ") + e.what());
   }
   if (data.kind == kind) return data;
+  if (kind == datasets::Kind::surface)
+    throw UsageError("--input " + file + ": surfaces are recipes; see --dataset");
   if (data.kind == datasets::Kind::image)
     throw UsageError("--input " + file + ": an image; this task has no use for one");
   if (kind == datasets::Kind::image) throw UsageError("--input " + file + ": no image; this task needs one");

@@ -16,6 +16,23 @@ class TaskText:
 
 
 TASKS = {
+    "brdf_integral": TaskText(
+        "Light reflected by surfaces",
+        "How much of the light from all around does a surface reflect to a viewer?",
+        "direction", "query", "relative RMS error",
+        "The root mean square of what an answer is off, over the mean of the true ones; of furnace and fresnel the share of the light, "
+        "of evaluate the relative error. A surface of one direction is asked for integrals; one of thousands, for its values and "
+        "samples at so many at a time. Stochastic methods promise no bias: the mean of their answers within five standard errors.",
+        (("albedo", "the light reflected under a sky of 1, by viewers at all angles"),
+         ("cosine_sky", "the same under a sky as bright as the cosine of the angle to the normal"),
+         ("small_light", "a disc of 10 degrees across, seen from about the mirror's side"),
+         ("average", "under a sky of 1, over all viewers"),
+         ("evaluate", "the values of the BRDF for pairs of directions, half of them where the surface gleams"),
+         ("sample", "directions for a viewer, and their weight"),
+         ("white_…, colour_…", "how much rough metal reflects with all bounces: its roughness, and what facets reflect head-on"),
+         ("index_…, leaving_…, names of metals", "how much a smooth boundary reflects, from 0 to 90 degrees"),
+         ("sphere_…, disc_…, triangle_…, rectangle_…, box_…", "how large shapes are seen, by distance in radii"),
+         ("hemisphere, all_around", "a disc that touches the viewer, and a box around"))),
     "distance_field": TaskText(
         "Distance fields of meshes",
         "How far is it to the surface, on which side, and what does a ray meet, if only samples of the distance are kept?",
