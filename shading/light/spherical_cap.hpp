@@ -26,7 +26,7 @@ class SphericalCap {
   /// Unit; u, v in [0, 1).
   Vec3d sample(double u, double v) const {
     const Vec2d q = geometry::sample_disc(u, v);
-    const double t = length2(q) * extent_, stretch = std::sqrt(extent_ * (2 - t));
+    const double t = std::min(1.0, length2(q)) * extent_, stretch = std::sqrt(extent_ * (2 - t));
     return frame_(Vec3d{q[0] * stretch, q[1] * stretch, 1 - t});
   }
   bool contains(const Vec3d& direction) const {

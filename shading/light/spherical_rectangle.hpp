@@ -56,7 +56,9 @@ class SphericalRectangle {
                                  {0, 0.5 * (y1_ - y0_), 0}, {});
   }
   double cut(double u) const {
-    const double a = u * solid_angle_ + k_, f = (std::cos(a) * b0_ - b1_) / std::sin(a);
+    const double a = u * solid_angle_ + k_, sine = std::sin(a);
+    if (sine == 0) return u < 0.5 ? x0_ : x1_;  // either end of a hemisphere
+    const double f = (std::cos(a) * b0_ - b1_) / sine;
     const double c = std::clamp((f > 0 ? 1 : -1) / std::sqrt(f * f + b0_ * b0_), -1.0, 1.0);
     return c * height_ / std::sqrt((1 - c) * (1 + c));
   }

@@ -202,6 +202,47 @@ TEST(SolidAngleSamplers, SmallShapesKeepTheirDigits) {
   }
 }
 
+template <class Shape>
+void expect_sound(const Shape& shape, Pcg32& random, const std::string& where) {
+  ASSERT_TRUE(shape.solid_angle() >= 0 && shape.solid_angle() <= 4 * pi * (1 + 1e-15)) << where;
+  if (!(shape.solid_angle() > 0)) return;
+  constexpr double last = 1 - 0x1p-53;
+  for (const auto& [u, v] : {std::pair{0.0, random.uniform<double>()},
+                             {last, random.uniform<double>()},
+                             {random.uniform<double>(), 0.0},
+                             {random.uniform<double>(), last},
+                             {random.uniform<double>(), random.uniform<double>()}})
+    ASSERT_NEAR(length(shape.sample(u, v)), 1, 1e-12) << where << " " << u << " " << v;
+}
+
+TEST(SolidAngleSamplers, GiveUnitDirectionsFromCornersEdgesAndPlanesAtAnyScale) {
+  Pcg32 random(11);
+  const auto any = [&](double size) -> Vec3d {
+    return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
+  };
+  for (int i = 0; i < 4000; ++i) {
+    const double size = std::pow(10, random.uniform(-60.0, 60.0)),
+                 off = size * std::pow(10, random.uniform(-20.0, 3.0));
+    const Triangle3d t{any(size), any(size), any(size)};
+    const Vec3d inner = t.a * 0.3 + t.b * 0.3 + t.c * 0.4, n = normalized(any(1)), middle = any(size);
+    const geometry::Frame<double> frame(n);
+    const double radius = size * random.uniform(0.01, 1.0);
+    const Vec3d u = frame.x * radius, v = frame.y * (size * random.uniform(0.01, 1.0));
+    const std::string name = std::to_string(i) + " of size " + std::to_string(std::log10(size));
+    for (const Vec3d& from : {t.a, t.a + any(off), t.a * 0.3 + t.b * 0.7, inner,
+                              inner + normalized(t.area_normal() / (size * size)) * off, any(10 * size)})
+      expect_sound(SphericalTriangle(t, from), random, "triangle " + name);
+    for (const Vec3d& from : {middle + u + v, middle + u + v + any(off), middle + u, middle + u * 0.3,
+                              middle + u * 0.3 - v * 0.2 + n * off, any(10 * size)})
+      expect_sound(SphericalRectangle(middle, u, v, from), random, "rectangle " + name);
+    for (const Vec3d& from : {middle + u, middle + u + any(off), middle, middle + u * 0.5,
+                              middle + u * 0.5 + n * off, any(10 * size)}) {
+      expect_sound(SphericalEllipse(middle, n, radius, from), random, "disc " + name);
+      expect_sound(SphericalCap(middle, radius, from), random, "ball " + name);
+    }
+  }
+}
+
 TEST(SolidAngleSamplers, TheTestsCanFail) {
   // By area instead of by solid angle, as found in the wild: a third as many samples near the far corner.
   const Triangle3d t{{-1, -1, 0}, {2, -1, 0.5}, {0, 3, 0}};
