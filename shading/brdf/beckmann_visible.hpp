@@ -5,7 +5,7 @@
 // the Beckmann distribution" (the latter's distribution inverted by iteration from a fitted start). Here the
 // iteration is Halley's, within a bracket, in double, down to rounding: no look-up table, and stratified
 // input stays so.
-// Cost: 3 to 4 iterations with an error function and an exponential each: some 10 times GGX's. Known
+// Cost: 3 to 4 iterations with an error function and an exponential each: some 5 times GGX's. Known
 // weakness: that cost.
 #pragma once
 

@@ -131,6 +131,22 @@ TEST(Laws, ColourOfManyBounces) {
   EXPECT_NEAR(kulla_conty_colour(1.0, 0.3), 1, 1e-15);
 }
 
+TEST(Laws, MixedMaterialsAreMixedByTheirResults) {
+  // Twice the light is twice the reflection, but half the reflectance of metal and half that of plastic is
+  // not the mean of their albedos: many bounces are not linear in F0.
+  Material m = ggx(1);
+  m.compensation = Compensation::kulla_conty;
+  m.fresnel = FresnelKind::schlick;
+  m.reflectance = {0.04f, 0.52f, 1.f};  // the middle one is the mean of the others
+  const auto e = directional_albedo(m, at(0.7));
+  EXPECT_NEAR(e[2], 1, 2e-4);
+  const double mean = 0.5 * (e[0] + e[2]);
+  EXPECT_LT(e[1], 0.85 * mean);
+  m.compensation = Compensation::none;  // one bounce is
+  const auto once = directional_albedo(m, at(0.7));
+  EXPECT_NEAR(once[1], 0.5 * (once[0] + once[2]), 1e-7);
+}
+
 /// Share of the light that a GGX surface of one roughness gives back, viewers by their cosine, facets that
 /// reflect F: a walk over facets of uniformly distributed heights (Heitz et al. 2016), which is what
 /// height-correlated masking means. After how many bounces light leaves is all that is needed: shares by
