@@ -17,7 +17,10 @@ class TreeField final : public Field {
                  std::span<float> out) const override {
     accel::parallel_ranges(points.size(), threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const float d = std::sqrt(tree_.closest_point(points[i]).distance2);
+        // In double: squares of float leave its range where a mesh is large.
+        const geometry::Triangle3d nearest(mesh_.triangle(tree_.closest_point(points[i]).primitive));
+        const auto d = static_cast<float>(
+            std::sqrt(closest_point_on_triangle(geometry::Vec3d(points[i]), nearest).distance2));
         out[i] = sign_.inside(points[i]) ? -d : d;
       }
     });
