@@ -4,7 +4,7 @@
 // Method: sums in double, which 1e8 samples bring out of true by 1e-8 at most (a float and a second float for
 // what it lost, sums.hpp, takes the same room and is no better). The error is estimated from sets of samples
 // that are independent of each other: of one sample each, or of as many as share a net of Sobol points.
-// Cost: 100 bytes a pixel, some 5 ns a sample. Known weakness: an estimate from n sets is itself off by a
+// Cost: 120 bytes a pixel, some 5 ns a sample. Known weakness: an estimate from n sets is itself off by a
 // share of 1 / sqrt(2 n), more where a few samples hold most of the light; kurtosis() and largest_share()
 // tell of that.
 #pragma once
@@ -50,8 +50,9 @@ class Film {
     ++p.samples;
     for (int k = 0; k < 3; ++k) p.sum[k] += static_cast<double>(radiance[k]);
     const float bright = light::luminance(radiance);
-    const double y = static_cast<double>(bright);
-    p.power2 += y * y, p.power3 += y * y * y, p.power4 += y * y * (y * y);
+    if (p.samples == 1) p.first = bright;
+    const double y = static_cast<double>(bright) - static_cast<double>(p.first);
+    p.power1 += y, p.power2 += y * y, p.power3 += y * y * y, p.power4 += y * y * (y * y);
     p.largest = std::max(p.largest, bright);
     if (p.samples % static_cast<std::uint64_t>(set_) != 0) return;
     for (int k = 0; k < 3; ++k) {
@@ -79,14 +80,15 @@ class Film {
     return error;
   }
   /// Of the samples' luminance: fourth central moment over the squared variance; 3 for a normal distribution,
-  /// large where few samples are much brighter than the rest. 0 where all are equal.
+  /// large where few samples are much brighter than the rest. 0 where all are equal, but for rounding.
   double kurtosis(std::size_t pixel) const {
     const Pixel& p = pixels_[pixel];
     if (p.samples == 0) return 0;
-    const double n = static_cast<double>(p.samples), m = light::luminance(p.sum) / n;
+    const double n = static_cast<double>(p.samples), m = p.power1 / n;
     const double variance = p.power2 / n - m * m;
-    // Below this, what is left of the second moment is its rounding.
-    if (!(variance > 1e-12 * p.power2 / n)) return 0;
+    // Below this, what is left of the second moment may be the samples' own rounding.
+    const double level = std::abs(light::luminance(p.sum)) / n * rounding;
+    if (!(variance > level * level) || !(variance > rounding * p.power2 / n)) return 0;
     const double fourth = p.power4 / n - 4 * m * p.power3 / n + 6 * m * m * p.power2 / n - 3 * m * m * m * m;
     return fourth / (variance * variance);
   }
@@ -119,11 +121,12 @@ class Film {
 
  private:
   struct Pixel {
-    geometry::Vec3d sum{}, closed{}, squares{};  // closed: of whole sets; squares: of their sums
-    double power2 = 0, power3 = 0, power4 = 0;   // of the luminance
+    geometry::Vec3d sum{}, closed{}, squares{};             // closed: of whole sets; squares: of their sums
+    double power1 = 0, power2 = 0, power3 = 0, power4 = 0;  // of the luminance less that of the first sample
     std::uint64_t samples = 0;
-    float largest = 0;
+    float first = 0, largest = 0;
   };
+  static constexpr double rounding = 1e-6;  // of a sample's luminance, with room to spare
 
   template <class F>
   Image filled(F&& f) const {

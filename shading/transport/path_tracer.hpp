@@ -6,7 +6,7 @@
 // (Arvo and Kirk 1990), after the light that was drawn has been added, and all that comes later is divided by
 // the probability. Every choice of options has the same mean. Paths advance in waves, all by one surface
 // before any of them by the next (van Antwerpen 2011), so that a tree gets rays by the thousand. Cost: two
-// rays a surface, and 160 bytes a path in a wave. Known weakness: light that reaches a surface through glass
+// rays a surface, and 190 bytes a path in a wave. Known weakness: light that reaches a surface through glass
 // or a mirror only (caustics) of a small emitter is met by chance alone.
 #pragma once
 
@@ -15,9 +15,11 @@
 
 #include "geometry/sampling.hpp"
 #include "shading/transport/blocks.hpp"
+#include "shading/transport/camera_hits.hpp"
 #include "shading/transport/camera_rays.hpp"
+#include "shading/transport/cast_ray.hpp"
+#include "shading/transport/cosine_directions.hpp"
 #include "shading/transport/path_points.hpp"
-#include "shading/transport/ray_batch.hpp"
 #include "shading/transport/surfaces.hpp"
 
 namespace treeline::shading::transport {
@@ -92,53 +94,102 @@ class PathTracer {
   struct Path {
     Rgb throughput;
     float pdf;  // of the ray's direction, per steradian; infinite where no emitter's point was drawn for it
-    PathKey key;
     std::uint32_t slot;  // of its radiance
   };
   struct Shadow {
     Rgb light;  // if it is not hidden
     std::uint32_t slot;
   };
+  /// What decides at a surface, for each path of a wave.
+  struct Decisions {
+    explicit Decisions(std::size_t n)
+        : emitter(n), light_u(n), light_v(n), u(n), v(n), choice(n), roulette(n), x(n), y(n), z(n) {}
+
+    std::vector<double> emitter;
+    std::vector<float> light_u, light_v;  // of the point on it
+    std::vector<float> u, v;              // of the next direction
+    std::vector<float> choice, roulette;
+    std::vector<float> x, y, z;  // direction with density cosine / π
+  };
   struct Wave {
     explicit Wave(std::size_t n)
-        : rays(n), hits(n), paths(n), radiance(n), shadow_rays(n), shadows(n), hidden(n) {}
+        : rays(n),
+          hits(n),
+          paths(n),
+          hash(n),
+          index(n),
+          decisions(n),
+          radiance(n),
+          shadow_rays(n),
+          shadows(n),
+          hidden(n) {}
 
     std::size_t size = 0, shadow_size = 0;  // of those under way
     std::vector<Ray> rays;
     std::vector<accel::Hit<Scalar>> hits;
     std::vector<Path> paths;
+    std::vector<std::uint64_t> hash;  // of their keys
+    std::vector<std::uint32_t> index;
+    Decisions decisions;
     std::vector<Rgb> radiance;
     std::vector<Ray> shadow_rays;
     std::vector<Shadow> shadows;
     std::vector<std::uint8_t> hidden;
     std::uint64_t rays_cast = 0, shadow_rays_cast = 0;  // for this block
   };
+
   template <class Source>
   void begin(Wave& wave, const Block& block, std::uint64_t done, const Source& source) const {
-    wave.size = 0, wave.rays_cast = wave.shadow_rays_cast = 0;
-    for (std::size_t p = 0; p < block.pixels; ++p)
-      for (std::size_t s = 0; s < block.samples; ++s) {
+    const std::size_t n = wave.size = block.paths();
+    wave.rays_cast = wave.shadow_rays_cast = 0;
+    for (std::size_t p = 0, i = 0; p < block.pixels; ++p)
+      for (std::size_t s = 0; s < block.samples; ++s, ++i) {
         const PathKey key = points_.key(block.first_pixel + p, done + block.first_sample + s);
-        const Pair at = points_.pair(key, 0);
-        wave.rays[wave.size] = cast_ray<Ray>(source(block.first_pixel + p, at.u, at.v));
-        wave.paths[wave.size] = {Rgb::filled(1), infinity, key, static_cast<std::uint32_t>(wave.size)};
-        wave.radiance[wave.size++] = {};
+        wave.hash[i] = key.hash, wave.index[i] = key.index;
+        wave.paths[i] = {Rgb::filled(1), infinity, static_cast<std::uint32_t>(i)};
+        wave.radiance[i] = {};
       }
+    Decisions& d = wave.decisions;
+    points_.pairs(n, wave.hash.data(), wave.index.data(), 0, d.u.data(), d.v.data());
+    for (std::size_t i = 0; i < n; ++i)
+      wave.rays[i] = cast_ray<Ray>(source(block.first_pixel + i / block.samples, d.u[i], d.v[i]));
   }
 
   void trace(Wave& wave) const {
     for (int bounce = 0; wave.size > 0; ++bounce) {
-      closest_hits(*index_, std::span<const Ray>(wave.rays.data(), wave.size),
-                   std::span(wave.hits.data(), wave.size),
-                   bounce == 0 ? accel::RayBatch::packets : accel::RayBatch::automatic);
+      const std::span<const Ray> rays(wave.rays.data(), wave.size);
+      const std::span<accel::Hit<Scalar>> hits(wave.hits.data(), wave.size);
+      if (bounce == 0)
+        camera_hits(*index_, rays, hits);
+      else
+        index_->closest_hit(rays, hits, 1);
       wave.rays_cast += wave.size;
+      if (bounce < options_.max_bounces) decide(wave, bounce);
       advance(wave, bounce);
-      any_hits(*index_, std::span<const Ray>(wave.shadow_rays.data(), wave.shadow_size),
-               std::span(wave.hidden.data(), wave.shadow_size), accel::RayBatch::automatic);
+      index_->any_hit(std::span<const Ray>(wave.shadow_rays.data(), wave.shadow_size),
+                      std::span(wave.hidden.data(), wave.shadow_size), 1);
       wave.shadow_rays_cast += wave.shadow_size;
       for (std::size_t i = 0; i < wave.shadow_size; ++i)
         if (!wave.hidden[i]) wave.radiance[wave.shadows[i].slot] += wave.shadows[i].light;
     }
+  }
+
+  bool draws_lights() const { return options_.lights != Lights::none && !surfaces_.emitters().empty(); }
+
+  void decide(Wave& wave, int bounce) const {
+    const std::uint32_t place = 1 + 4 * static_cast<std::uint32_t>(bounce);
+    const std::size_t n = (wave.size + 15) / 16 * 16;  // as cosine_directions() wants
+    const std::uint64_t* const hash = wave.hash.data();
+    const std::uint32_t* const index = wave.index.data();
+    Decisions& d = wave.decisions;
+    if (draws_lights()) {
+      points_.numbers(n, hash, index, place, d.emitter.data());
+      points_.pairs(n, hash, index, place + 1, d.light_u.data(), d.light_v.data());
+    }
+    points_.pairs(n, hash, index, place + 2, d.u.data(), d.v.data());
+    points_.pairs(n, hash, index, place + 3, d.choice.data(), d.roulette.data());
+    if (options_.directions != Directions::uniform)
+      cosine_directions(n, d.u.data(), d.v.data(), d.x.data(), d.y.data(), d.z.data());
   }
 
   /// Every path takes what its hit emits, asks for a point of the emitters, and goes on or ends.
@@ -159,10 +210,9 @@ class PathTracer {
         wave.radiance[path.slot] +=
             times(path.throughput, at.material->emission) * met_weight(path.pdf, hit.primitive, t, at.cosine);
       if (bounce == options_.max_bounces) continue;
-      const std::uint32_t place = 1 + 4 * static_cast<std::uint32_t>(bounce);
-      if (options_.lights != Lights::none && !surfaces_.emitters().empty() && !at.material->bsdf.delta())
-        draw_light(wave, path, at, place);
-      if (!scatter(path, at, place, bounce, wave.rays[wave.size])) continue;
+      if (draws_lights() && !at.material->bsdf.delta()) draw_light(wave, path, at, i);
+      if (!scatter(path, at, wave.decisions, i, bounce, wave.rays[wave.size])) continue;
+      wave.hash[wave.size] = wave.hash[i], wave.index[wave.size] = wave.index[i];
       wave.paths[wave.size++] = path;
     }
   }
@@ -179,10 +229,9 @@ class PathTracer {
   }
 
   /// Asks for a ray to a point of the emitters, with the light that it would bring.
-  void draw_light(Wave& wave, const Path& path, const Vertex& at, std::uint32_t place) const {
-    const Pair on_face = points_.pair(path.key, place + 1);
-    const Surfaces::LightPoint to =
-        surfaces_.light(at, points_.number(path.key, place), on_face.u, on_face.v);
+  void draw_light(Wave& wave, const Path& path, const Vertex& at, std::size_t i) const {
+    const Decisions& d = wave.decisions;
+    const Surfaces::LightPoint to = surfaces_.light(at, d.emitter[i], d.light_u[i], d.light_v[i]);
     if (to.pdf == 0) return;
     const bool diffuse = at.material->kind == SurfaceKind::diffuse;
     const Rgb reflected = diffuse ? at.material->albedo * (1 / pi) : at.material->bsdf.eval(to.in, at.out);
@@ -201,19 +250,17 @@ class PathTracer {
   }
 
   /// Draws the path's next direction; false if it ends.
-  bool scatter(Path& path, const Vertex& at, std::uint32_t place, int bounce, Ray& next) const {
-    const Pair on_sphere = points_.pair(path.key, place + 2), rest = points_.pair(path.key, place + 3);
+  bool scatter(Path& path, const Vertex& at, const Decisions& d, std::size_t i, int bounce, Ray& next) const {
     const Surfaces::Material& material = *at.material;
     const bool diffuse = material.kind == SurfaceKind::diffuse;
     Vec3f in;
     if (material.bsdf.delta() || (options_.directions == Directions::bsdf && !diffuse)) {
-      const brdf::BsdfSample<float> s = material.bsdf.sample(at.out, rest.u, on_sphere.u, on_sphere.v);
+      const brdf::BsdfSample<float> s = material.bsdf.sample(at.out, d.choice[i], d.u[i], d.v[i]);
       in = s.wi, path.pdf = s.delta ? infinity : s.pdf;
       path.throughput = times(path.throughput, s.weight);
     } else {
       const bool uniform = options_.directions == Directions::uniform;
-      in = uniform ? geometry::sample_hemisphere(on_sphere.u, on_sphere.v)
-                   : geometry::sample_hemisphere_cosine(on_sphere.u, on_sphere.v);
+      in = uniform ? geometry::sample_hemisphere(d.u[i], d.v[i]) : Vec3f{d.x[i], d.y[i], d.z[i]};
       path.pdf = uniform ? 1 / (2 * pi) : in[2] * (1 / pi);
       const Rgb reflected = diffuse ? material.albedo * (1 / pi) : material.bsdf.eval(in, at.out);
       path.throughput = times(path.throughput, reflected) * (uniform ? in[2] * (2 * pi) : pi);
@@ -222,7 +269,7 @@ class PathTracer {
     // Glass keeps all light: a path that enters it carries less for a while, as it takes less solid angle.
     if (options_.survival && material.kind != SurfaceKind::glass) {
       const float survives = options_.survival(bounce, path.throughput);
-      if (!(rest.v < survives)) return false;
+      if (!(d.roulette[i] < survives)) return false;
       path.throughput = path.throughput / std::min(1.0f, survives);
     }
     next = cast_ray<Ray>(surfaces_.leaving(at, in));

@@ -20,8 +20,8 @@
 #include "geometry/sampling.hpp"
 #include "shading/transport/blocks.hpp"
 #include "shading/transport/camera_rays.hpp"
+#include "shading/transport/cast_ray.hpp"
 #include "shading/transport/path_points.hpp"
-#include "shading/transport/ray_batch.hpp"
 #include "shading/transport/surfaces.hpp"
 
 namespace treeline::shading::transport {

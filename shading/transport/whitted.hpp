@@ -15,8 +15,8 @@
 #include "geometry/sampling.hpp"
 #include "shading/transport/blocks.hpp"
 #include "shading/transport/camera_rays.hpp"
+#include "shading/transport/cast_ray.hpp"
 #include "shading/transport/path_points.hpp"
-#include "shading/transport/ray_batch.hpp"
 #include "shading/transport/surfaces.hpp"
 
 namespace treeline::shading::transport {
@@ -106,8 +106,7 @@ class Whitted {
 
   BounceCounts advance(Wave& wave, std::size_t bounce) const {
     wave.hits.resize(wave.rays.size());
-    closest_hits(*index_, std::span<const Ray>(wave.rays), std::span(wave.hits),
-                 bounce == 0 ? accel::RayBatch::packets : accel::RayBatch::automatic);
+    index_->closest_hit(std::span<const Ray>(wave.rays), std::span(wave.hits), 1);
     BounceCounts counts;
     wave.next_rays.clear(), wave.next.clear(), wave.shadow_rays.clear(), wave.shadows.clear();
     for (std::size_t i = 0; i < wave.rays.size(); ++i) {
@@ -174,8 +173,7 @@ class Whitted {
 
   void see_lights(Wave& wave) const {
     wave.hidden.resize(wave.shadow_rays.size());
-    any_hits(*index_, std::span<const Ray>(wave.shadow_rays), std::span(wave.hidden),
-             accel::RayBatch::packets);
+    index_->any_hit(std::span<const Ray>(wave.shadow_rays), std::span(wave.hidden), 1);
     for (std::size_t i = 0; i < wave.shadows.size(); ++i)
       if (!wave.hidden[i]) wave.radiance[wave.shadows[i].slot] += wave.shadows[i].weight;
   }

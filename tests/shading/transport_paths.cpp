@@ -181,7 +181,7 @@ TEST(Paths, FilmsDoNotDependOnThreadsOrOnWhenSamplesAreAdded) {
   }
 }
 
-// Waves hold 4096 paths: fewer and more samples of a pixel than that.
+// Waves hold some thousand paths: fewer and more samples of a pixel than that.
 TEST(Paths, ManySamplesOfAPixelAreDoneInSeveralWaves) {
   const LitScene room = furnace(0.5f);
   const Source source = [](std::size_t, float, float) { return geometry::Rayf{{0, 0, 0}, {0, -1, 0}}; };
