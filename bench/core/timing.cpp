@@ -6,8 +6,10 @@
 namespace treeline::bench {
 namespace {
 
-constexpr double long_batch_s = 0.5;  // longer batches run once a repetition
-constexpr double quick_repetition_s = 0.01;
+constexpr double long_batch_s = 0.5;   // longer batches run once a repetition
+constexpr double slow_batch_s = 0.05;  // longer ones are repeated once only, where time is short
+/// Long beside a clock's step and a cold start; the quick profile has thousands of cells.
+constexpr double quick_repetition_s = 0.004;
 
 std::vector<std::string> profile_flags(Profile profile) {
   switch (profile) {
@@ -36,12 +38,15 @@ void initialize(Profile profile, const BenchmarkFlags& flags, const std::string&
   if (count > 1) throw UsageError(std::string("Google Benchmark does not know or cannot use ") + pointers[1]);
 }
 
+bool is_given(const BenchmarkFlags& flags, std::string_view name) {
+  return std::ranges::any_of(flags.passed_on,
+                             [&](const std::string& flag) { return flag.starts_with(name); });
+}
+
 /// Google Benchmark finds the number of iterations by trial, which takes as long as the repetitions
 /// themselves. The quick profile has no time for that: it knows what a batch takes.
 bool counts_ahead(Profile profile, const BenchmarkFlags& flags) {
-  return profile == Profile::quick &&
-         std::none_of(flags.passed_on.begin(), flags.passed_on.end(),
-                      [](const std::string& flag) { return flag.starts_with("--benchmark_min_time"); });
+  return profile == Profile::quick && !is_given(flags, "--benchmark_min_time");
 }
 
 /// Of a cell, about: how many tries Google Benchmark needs to find the number of iterations is its own
@@ -51,7 +56,9 @@ std::size_t expected_runs(bool once, bool ahead) { return once ? 1 : ahead ? 3 :
 }  // namespace
 
 Timer::Timer(Profile profile, const BenchmarkFlags& flags)
-    : once_(profile == Profile::smoke), ahead_(counts_ahead(profile, flags)) {
+    : once_(profile == Profile::smoke),
+      ahead_(counts_ahead(profile, flags)),
+      fewer_(profile == Profile::quick && !is_given(flags, "--benchmark_repetitions")) {
   initialize(profile, flags, "bench");
   display_ = std::make_unique<Display>(flags);
 }
@@ -72,6 +79,7 @@ void Timer::measure(std::span<TimedCell> cells,
       }
     });
     registered->UseRealTime()->MeasureProcessCPUTime();
+    if (fewer_ && cell.seconds > slow_batch_s) registered->Repetitions(2);
     if (once_ || cell.seconds > long_batch_s)
       registered->Iterations(1);
     else if (ahead_)

@@ -31,7 +31,7 @@ class Timer {
   void measure(std::span<TimedCell>, const std::function<void(double share, const TimedCell&)>& on_run = {});
 
  private:
-  bool once_, ahead_;
+  bool once_, ahead_, fewer_;
   std::unique_ptr<Display> display_;
 };
 

@@ -102,6 +102,7 @@ struct Opening {
   int truth_threads = 1;
   bool must_answer = false;
   bool quick = false;
+  bool brute_force = true;
   std::string truth_cache;
 };
 
@@ -124,6 +125,7 @@ class KnnBlock final : public Block {
   std::uint64_t dataset_hash() const override { return opening_.hash; }
   std::optional<std::size_t> input_bytes() const override { return n() * sizeof(Point); }
   bool offers(std::size_t m) const override {
+    if (!opening_.brute_force && !doubles && methods_[m].info.family == "brute") return false;
     return doubles ? methods_[m].build_double != nullptr : methods_[m].build != nullptr;
   }
   bool in_double() const override { return doubles; }
@@ -247,6 +249,7 @@ std::unique_ptr<Block> open_over(const std::vector<Method>& methods, std::vector
   o.truth_threads = all_threads();
   o.truth_cache = context.truth_cache;
   o.quick = context.profile == Profile::quick;
+  o.brute_force = asked.brute_force;
   o.points = std::move(points);
   const int threads = o.truth_threads;
   return std::make_unique<KnnBlock<T>>(methods, std::move(o), [&](const ScanOf<T>& scan) {

@@ -17,6 +17,7 @@ struct Asked {
   std::size_t queries = 0;
   std::vector<std::string> sets;
   std::string suffix{};
+  bool brute_force = true;  // that, too, is asked
 };
 
 /// A block over a cloud or the vertices of a mesh; over its doubles where it has them, for which other

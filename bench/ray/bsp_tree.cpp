@@ -12,7 +12,8 @@ const bool registered = register_tree<accel::BspTree, sizeof(accel::BspTriangleN
      .build_knobs = leaf_size_knobs({8}),
      .ladder = 30,
      .sweep_up_to_n = 500'000,  // at a million triangles one build takes nine to ten seconds
-     .largest_n = 3'000'000});
+     .largest_n = 3'000'000,
+     .quick_largest_n = 500'000});
 
 }  // namespace
 }  // namespace treeline::bench::ray

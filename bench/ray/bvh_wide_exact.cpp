@@ -11,7 +11,8 @@ namespace {
               .build_knobs = {Knobs{{"builder", "binned"}}, Knobs{{"builder", "spatial"}}},
               .query_knobs = wide_batches(),
               .stress_builds = {0, 1},
-              .ladder = 12},
+              .ladder = 12,
+              .quick_builds = 1},
      .build = build_wide<geometry::Exact, accel::Wide>});
 
 }  // namespace

@@ -111,8 +111,11 @@ bool register_tree(MethodInfo info) {
   fast.name += "_fast";
   fast.claim = Claim::approximate;
   fast.build_knobs.resize(1);
-  fast.scales = false;                                            // as the other does
-  fast.largest_n = std::min(fast.largest_n, fast.sweep_up_to_n);  // where builds are dear, one is enough
+  fast.scales = false;  // as the other does
+  // Where builds are dear, one is enough.
+  fast.largest_n = std::min(fast.largest_n, fast.sweep_up_to_n);
+  if (fast.sweep_up_to_n != SIZE_MAX)
+    fast.quick_largest_n = std::min<std::size_t>(fast.quick_largest_n, 50'000);
   return add(std::move(info), geometry::Watertight{}) && add(std::move(fast), geometry::MollerTrumbore{});
 }
 
