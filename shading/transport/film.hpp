@@ -2,11 +2,11 @@
 //
 // Problem: sums of floats stop growing (of ones, at 2^24 of them), and a mean without its error says little.
 // Method: sums in double, which 1e8 samples bring out of true by 1e-8 at most (a float and a second float for
-// what it lost, sums.hpp, takes the same room and is no better). The error is estimated from sets of samples
-// that are independent of each other: of one sample each, or of as many as share a net of Sobol points.
-// Cost: 120 bytes a pixel, some 5 ns a sample. Known weakness: an estimate from n sets is itself off by a
-// share of 1 / sqrt(2 n), more where a few samples hold most of the light; kurtosis() and largest_share()
-// tell of that.
+// what it lost, float_sums.hpp, takes the same room and is no better). The error is estimated from sets of
+// samples that are independent of each other: of one sample each, or of as many as share a net of Sobol
+// points. Cost: 120 bytes a pixel, some 5 ns a sample. Known weakness: an estimate from n sets is itself off
+// by a share of 1 / sqrt(2 n), more where a few samples hold most of the light; kurtosis() and
+// largest_share() tell of that.
 #pragma once
 
 #include <cmath>

@@ -6,6 +6,7 @@
 
 #include "geometry/random.hpp"
 #include "shading/transport/film.hpp"
+#include "shading/transport/float_sums.hpp"
 
 namespace treeline::shading::transport {
 namespace {
@@ -13,20 +14,39 @@ namespace {
 TEST(Film, SurvivesAHundredMillionSamples) {
   Film film(1, 1);
   geometry::Pcg32 random(1);
-  float single = 0;
-  double exact_quarters = 0;  // multiples of 2^-8 below 2^30: every sum is exact
+  double exact = 0;  // multiples of 2^-8 below 2^30: every sum is exact
   for (int i = 0; i < 100'000'000; ++i) {
     const float x = static_cast<float>(random.next() >> 24) * 0x1p-8f;
     film.add(0, {x, 1, 0.1f});
-    single += 1.0f;
-    exact_quarters += static_cast<double>(x);
+    exact += static_cast<double>(x);
   }
-  EXPECT_EQ(single, 16777216.0f) << "what the film must not do";
-  EXPECT_EQ(film.mean(0)[0], exact_quarters / 1e8);
+  EXPECT_EQ(film.mean(0)[0], exact / 1e8);
   EXPECT_EQ(film.mean(0)[1], 1);
   EXPECT_NEAR(film.mean(0)[2], double(0.1f), 1e-8);
   // Of numbers spread evenly over 0 … 255/256.
   EXPECT_NEAR(film.standard_error(0)[0] * 1e4, std::sqrt((1 - 0x1p-16) / 12), 1e-4);
+}
+
+TEST(FloatSums, SomeSurviveAHundredMillionSamples) {
+  geometry::Pcg32 random(1);
+  PlainSum plain, ones;
+  RunningMean running;
+  BlockSum blocks;
+  KahanSum kahan;
+  double exact = 0;  // multiples of 2^-24 below 2^27: to 2^-26 of it
+  constexpr int n = 100'000'000;
+  for (int i = 0; i < n; ++i) {
+    const float x = static_cast<float>(random.next() >> 8) * 0x1p-24f;
+    plain.add(x), ones.add(1), running.add(x), blocks.add(x), kahan.add(x);
+    exact += static_cast<double>(x);
+  }
+  const double truth = exact / n;
+  EXPECT_EQ(ones.mean(), 16777216.0f / n);
+  EXPECT_NEAR(double(plain.mean()), 0.168, 0.001);
+  EXPECT_GT(std::abs(double(running.mean()) - truth), 1e-5);
+  EXPECT_NEAR(double(running.mean()), truth, 1e-3);
+  EXPECT_NEAR(double(blocks.mean()), truth, 1e-6);
+  EXPECT_NEAR(double(kahan.mean()), truth, 1e-7);
 }
 
 struct Moments {
@@ -69,6 +89,19 @@ TEST(Film, EstimatesAreThoseOfTheirDefinitions) {
     EXPECT_EQ(film.samples(1), 83u);
     EXPECT_EQ(film.samples(0), 0u);
   }
+}
+
+TEST(Film, KurtosisOfAlmostEqualSamplesDoesNotCancel) {
+  Film film(2, 1);
+  geometry::Pcg32 random(3);
+  std::vector<double> x;
+  for (int i = 0; i < 64; ++i) {
+    const float v = 1000 + random.uniform<float>(), same = 0.1f + (i % 3) * 1e-8f;
+    x.push_back(double(v));
+    film.add(0, {v, v, v}), film.add(1, {same, same, same});
+  }
+  EXPECT_NEAR(film.kurtosis(0), by_definition(x, 1).kurtosis, 1e-2);
+  EXPECT_EQ(film.kurtosis(1), 0);
 }
 
 TEST(Film, KnowsNoErrorBeforeTwoSets) {
