@@ -72,7 +72,7 @@ class MipChain {
       end += static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(channels_);
       if (w == 1 && h == 1) break;
     }
-    values_ = std::vector<float>(end);
+    values_ = std::vector<float>(end + 1);  // look-ups of three channels read a fourth
   }
 
   /// Rows [from, to) of level l from level l - 1.

@@ -67,9 +67,18 @@ void add_bilinear(const MipChain& chain, const MipChain::Level& l, float x, floa
   const float* p = chain.texel(l, i, j);
   const std::size_t right = i + 1 < l.width ? channels : 0;
   const float* q = p + (j + 1 < l.height ? static_cast<std::size_t>(l.width) * channels : 0);
-  for (std::size_t c = 0; c < channels; ++c) {
-    const float a = p[c] + fx * (p[c + right] - p[c]), b = q[c] + fx * (q[c + right] - q[c]);
-    out[c] += weight * (a + fy * (b - a));
+  if constexpr (channels >= 3) {  // as four; behind the last texel there is room to read on
+    using Four = prefix::Vector<float, 4>;
+    const auto load = [](const float* from, Four& v) { std::memcpy(&v, from, sizeof v); };
+    Four p0, p1, q0, q1;
+    load(p, p0), load(p + right, p1), load(q, q0), load(q + right, q1);
+    const Four a = p0 + fx * (p1 - p0), b = q0 + fx * (q1 - q0), sum = weight * (a + fy * (b - a));
+    for (int c = 0; c < channels; ++c) out[c] += sum[c];
+  } else {
+    for (std::size_t c = 0; c < channels; ++c) {
+      const float a = p[c] + fx * (p[c + right] - p[c]), b = q[c] + fx * (q[c + right] - q[c]);
+      out[c] += weight * (a + fy * (b - a));
+    }
   }
 }
 
