@@ -8,7 +8,7 @@ usage() {
 bench/run.sh [--profile smoke|quick|full] [--task T]... [--out DIR] [--resume] [--no-install]
 
   --profile P    smoke: every cell once, tiny; quick (default): minutes; full: hours
-  --task T       only this task (brdf_integral, closest_point, distance_field, inside, knn, knn_dynamic, knn_nd, ray, region_average, shadow); may be repeated
+  --task T       only this task (brdf_integral, closest_point, distance_field, inside, knn, knn_dynamic, knn_nd, light_transport, ray, region_average, shadow); may be repeated
   --out DIR      folder for rows, pictures and report; default results/<profile>-<date>-<time>
   --resume       continue the run in --out (default: the newest of this profile) where it stopped
   --no-install   install nothing

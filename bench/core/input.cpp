@@ -2,6 +2,7 @@
 
 #ifdef TREELINE_HAS_FILES
 #include "datasets_gen/files/read.hpp"
+#include "datasets_gen/rooms/room.hpp"
 #include "datasets_gen/scenes/scene.hpp"
 #endif
 
@@ -33,6 +34,16 @@ datasets::Dataset read_input(const std::string& file, datasets::Kind kind) {
     }
     data.mesh = {}, data.kind = kind;
     data.notes.push_back("a mesh: a floor, a sun and a camera were added; y is taken as up");
+    return data;
+  }
+  if (kind == datasets::Kind::room) {
+    try {
+      data.room = datasets::room_of_mesh(std::move(data.mesh), data.name);
+    } catch (const std::exception& e) {
+      throw UsageError("--input " + file + ": " + e.what());
+    }
+    data.mesh = {}, data.kind = kind;
+    data.notes.push_back("a mesh: a floor, a lamp, an even sky and a camera were added; y is taken as up");
     return data;
   }
   data.kind = kind;

@@ -19,6 +19,7 @@
 #include "bench/core/table.hpp"
 #include "datasets_gen/hard/hard_case.hpp"
 #include "datasets_gen/hard/hard_insides.hpp"
+#include "datasets_gen/hard/hard_light.hpp"
 #include "datasets_gen/hard/hard_rows.hpp"
 #include "datasets_gen/hard/hard_surfaces.hpp"
 #include "datasets_gen/hard/hard_textures.hpp"
@@ -192,6 +193,7 @@ void Program::run_stress() {
   for (const datasets::HardRows& hard : datasets::hard_rows()) expect[hard.name] = hard.expect;
   for (const datasets::HardInside& hard : datasets::hard_insides()) expect[hard.name] = hard.expect;
   for (const datasets::HardTexture& hard : datasets::hard_textures()) expect[hard.name] = hard.expect;
+  for (const datasets::HardLight& hard : datasets::hard_lights()) expect[hard.name] = hard.expect;
   for (const datasets::HardSurface& hard : datasets::hard_surfaces()) expect[hard.name] = hard.expect;
   const auto specs = blocks();
   Stress stress(task_, options_, filter_, file_);

@@ -79,9 +79,10 @@ class Verdict:
 
 def ledger(rows):
     """A verdict for every claim of the list."""
-    from bench.report import light_claims, measures, shadow_claims, textures
+    from bench.report import light_claims, measures, shadow_claims, textures, transport_claims
 
-    kinds = {"contest": judge, **measures.KINDS, **textures.KINDS, **shadow_claims.KINDS, **light_claims.KINDS}
+    kinds = {"contest": judge, **measures.KINDS, **textures.KINDS, **shadow_claims.KINDS, **light_claims.KINDS,
+             **transport_claims.KINDS}  # fmt: skip
     return [kinds[claim.get("kind", "contest")](claim, rows) for claim in json.loads(LIST.read_text())]
 
 

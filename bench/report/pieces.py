@@ -162,8 +162,9 @@ def _cell(cell):
 KINDS = {"work": "work: nodes and triangles that queries visit", "slice": "slices through the cells of trees",
          "disagreement": "where answers differ from the truth", "leaks": "leaks at edges and vertices",
          "filtered": "textures averaged at every pixel", "shadow": "every method beside the truth",
-         "strip": "one knob from its least to its most"}  # fmt: skip
-PANELS = ("work", "leaks", "filtered", "shadow", "strip")
+         "strip": "one knob from its least to its most", "converged": "rooms, converged",
+         "light": "noisy, converged, and the error"}  # fmt: skip
+PANELS = ("work", "leaks", "filtered", "shadow", "strip", "light")
 
 
 def gallery(pictures):

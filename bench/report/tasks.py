@@ -115,6 +115,17 @@ TASKS = {
           "the closest hit after the vertices have moved, on an index that was refitted, or built anew"),
          ("camera_threads, random_threads, shadow_threads",
           "the same as those without _threads, many more rays, for thread scaling"))),
+    "light_transport": TaskText(
+        "Light in rooms",
+        "What radiance does each pixel of a camera see in a room?",
+        "triangle", "pixel", "relative RMS error (root of relMSE)",
+        "The root of the mean, over pixels and channels, of the squared error over the square of the truth and of a tenth of its "
+        "mean; bias is the signed mean over the mean radiance. A method that claims to be stochastic has no bias but chance: "
+        "its row is wrong if the mean is off by more than five standard errors. Truths are formulas, or converged in two "
+        "halves. Times are of a pixel with all its samples; the tree is made in the build.",
+        (("image", "all that the camera sees"),
+         ("walls", "the mean radiance of each wall of the closed box, which is known without a ray"),
+         ("image_threads", "the same as image, more pixels, for thread scaling"))),
     "region_average": TaskText(
         "Means of regions of textures",
         "What is the mean of a region of a texture?",

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "datasets_gen/knobs.hpp"
@@ -23,5 +24,9 @@ bool is_room(std::string_view name);
 /// range.
 shading::LitScene make_room(std::string_view name, std::size_t n, std::uint64_t seed,
                             const Progress& progress = {});
+
+/// Any mesh, as scene_of_mesh() stages it, under a lamp and an even sky: the mesh and the floor are diffuse,
+/// and so is all of it seen from either side. Throws as scene_of_mesh() does.
+shading::LitScene room_of_mesh(geometry::Mesh3f mesh, std::string name);
 
 }  // namespace treeline::datasets

@@ -2,8 +2,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "datasets_gen/rooms/room.hpp"
-#include "datasets_gen/scenes/parts.hpp"
+#include "datasets_gen/rooms/painted.hpp"
 
 namespace treeline::datasets {
 namespace {
@@ -13,27 +12,30 @@ struct Entry {
   shading::LitScene (*make)(const SceneJob&);
 };
 
-/// A closed box seen from inside: all of it is of one albedo and emits.
-shading::LitScene furnace_room(const SceneJob& job) {
-  shading::LitScene room;
-  Parts parts;
-  parts.box({-1, 0, -1}, {1, 2, 1}, box_cells(job.job.n));
-  room.mesh = std::move(parts.mesh);
-  for (auto& face : room.mesh.faces) std::swap(face[1], face[2]);  // seen from inside
-  shading::Material wall;
-  wall.name = "wall";
-  const auto albedo = static_cast<float>(job.knobs[0]);
-  wall.reflectance = shading::Rgb::filled(albedo), wall.emission = shading::Rgb::filled(1 - albedo);
-  room.materials = {wall};
-  room.face_materials.assign(room.mesh.size(), 0);
-  room.camera = {.position = {0, 1, 0.9}, .target = {0, 1, 0}};
-  return room;
-}
-
 const std::vector<Entry>& table() {
   static const std::vector<Entry> entries{
       {{"furnace_room", "a box of walls that emit: radiance is 1 everywhere", {{"albedo", 0.5, 0, 0.99}}},
        furnace_room},
+      {{"furnace_spheres",
+        "the same with a mirror, glass and a ball in it",
+        {{"albedo", 0.5, 0, 0.99}, {"index", 1.5, 1.01, 4}}},
+       furnace_spheres},
+      {{"closed_box",
+        "a box with a lamp in its ceiling: mean radiance is 1",
+        {{"albedo", 0.75, 0, 0.99}, {"lamp_m", 0.6, 0.005, 1.9}}},
+       closed_box},
+      {{"near_contact", "a floor that a square lamp all but touches", {{"height_m", 0.01, 1e-5, 1}}},
+       near_contact},
+      {{"cornell_box", "a red and a green wall, and two blocks", {}}, cornell_box},
+      {{"glass_and_mirror", "a glass and a mirror ball in the same box", {{"index", 1.5, 1.01, 4}}},
+       glass_and_mirror},
+      {{"mirror_hall", "two mirrors that face each other", {{"reflectance", 0.9, 0, 1}}}, mirror_hall},
+      {{"glass_panes", "panes of glass before a lit wall: rays that split", {{"panes", 3, 1, 20}}},
+       glass_panes},
+      {{"plates_and_lamps", "plates of growing roughness that mirror lamps of growing size", {}},
+       plates_and_lamps},
+      {{"architecture_under_sky", "the building of `architecture`, lit through its windows", {}},
+       architecture_under_sky},
   };
   return entries;
 }

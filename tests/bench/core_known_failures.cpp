@@ -23,6 +23,7 @@
 #include "core_known_failures.hpp"
 #include "datasets_gen/hard/hard_case.hpp"
 #include "datasets_gen/hard/hard_insides.hpp"
+#include "datasets_gen/hard/hard_light.hpp"
 #include "datasets_gen/hard/hard_rows.hpp"
 #include "datasets_gen/hard/hard_surfaces.hpp"
 #include "datasets_gen/hard/hard_textures.hpp"
@@ -67,6 +68,8 @@ std::set<std::string> cases_that_may_be_refused() {
   for (const datasets::HardInside& hard : datasets::hard_insides())
     if (hard.expect == datasets::Expect::answers_or_refuses) out.insert(hard.name);
   for (const datasets::HardTexture& hard : datasets::hard_textures())
+    if (hard.expect == datasets::Expect::answers_or_refuses) out.insert(hard.name);
+  for (const datasets::HardLight& hard : datasets::hard_lights())
     if (hard.expect == datasets::Expect::answers_or_refuses) out.insert(hard.name);
   for (const datasets::HardSurface& hard : datasets::hard_surfaces())
     if (hard.expect == datasets::Expect::answers_or_refuses) out.insert(hard.name);

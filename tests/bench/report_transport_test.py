@@ -1,0 +1,102 @@
+"""The cards and claims of the task light_transport, on rows made by hand."""
+
+import sys
+import unittest
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
+
+from bench.report import claims, model, transport
+from report_made import made, read
+
+MIS = ("mis", "bvh", "ours", "stochastic")
+PATH = ("path_cosine", "bvh", "ours", "stochastic")
+EMBREE = ("mis_embree", "bvh", "peer", "stochastic")
+WHITTED = ("whitted", "bvh", "ours", "approximate")
+LITERAL = ("textbook_literal", "bvh", "ours", "approximate")
+CORRECTED = ("textbook_corrected", "bvh", "ours", "stochastic")
+
+
+def row(method, query, rel_mse=0.01, ns=1000.0, dataset="cornell_box", query_set="image", bias=0.0, **extra):
+    values = {"query_cpu_ns": ns, "bias": bias}
+    found = made(method, ns, error=rel_mse**0.5, dataset=dataset, query_set=query_set, build={}, query=query, **values)
+    extra = {"rel_mse": rel_mse, "z": 1.0} | extra
+    return found | {"task": "light_transport"} | {f"light_transport_{k}": v for k, v in extra.items()}
+
+
+def cards_of(*entries):
+    (task,) = model.task_models(read(*entries))
+    numbers = {id(r): i for i, r in enumerate(task.soft)}
+    return {card.title: card for card in transport.cards(task, numbers, 460)}, task
+
+
+def verdict(name, *entries):
+    return next(v for v in claims.ledger(list(read(*entries))) if v.id == name)
+
+
+def values_of(chart):
+    spec = chart.to_dict()
+    parts = [spec, *spec.get("layer", [])]
+    return [v for p in parts for v in p.get("data", {}).get("values", [])] + [
+        v for d in spec.get("datasets", {}).values() for v in d]  # fmt: skip
+
+
+class Cards(unittest.TestCase):
+    def test_slopes_are_those_of_the_power(self):
+        self.assertAlmostEqual(transport.slope([(1, 8.0), (4, 2.0), (16, 0.5)]), -1)
+        self.assertAlmostEqual(transport.slope([(n, 3 * n**-1.5) for n in (1, 2, 4, 8)]), -1.5)
+        self.assertIsNone(transport.slope([(4, 1.0)]))
+
+    def test_convergence_names_each_line_by_its_slope(self):
+        rows = [row(MIS, {"samples": n}, 1 / n) for n in (1, 4, 16, 64)]
+        rows += [row(MIS, {"samples": n, "points": "sobol"}, n**-1.5) for n in (1, 4, 16, 64)]
+        rows += [row(MIS, {"samples": 64, "bounces": 2}, 0.5), row(MIS, {"samples": 64, "survival": 0.5}, 0.5)]
+        cards, _ = cards_of(*rows)
+        texts = {v["text"] for v in values_of(cards["Convergence"].figures[0].chart) if "text" in v}
+        self.assertEqual(texts, {"mis -1.00", "mis (sobol) -1.50"})
+
+    def test_efficiency_is_over_error_and_time(self):
+        cards, _ = cards_of(row(MIS, {"samples": 64}, 0.01, 1000.0), row(PATH, {"samples": 64}, 0.04, 500.0))
+        labels = {v["series"]: v["label"] for v in values_of(cards["Efficiency"].figures[0].chart)}
+        self.assertEqual(labels, {"mis": "1×", "path_cosine": "0.5×"})
+
+    def test_paths_a_second(self):
+        cards, task = cards_of(row(MIS, {"samples": 64}, ns=32_000.0), row(EMBREE, {"samples": 64}, ns=64_000.0))
+        ours, theirs = transport.speeds(task.soft)["cornell_box"]
+        self.assertAlmostEqual(transport.paths_a_second(ours), 2e6)
+        self.assertIn("2×", {v.get("label") for v in values_of(cards["Paths a second"].figures[0].chart)})
+
+    def test_depth_stands_beside_radiosity(self):
+        rows = [row(MIS, {"samples": 64, "bounces": b}, query_set="walls", dataset="closed_box", floor_bias=-1 / b, floor_exact=-1.01 / b)
+                for b in (1, 2, 5)]  # fmt: skip
+        cards, task = cards_of(*rows)
+        self.assertIn("How many bounces", cards)
+        self.assertEqual(transport.depth(task.soft), {"closed_box, floor": [(b, 1 / b, 1.01 / b) for b in (1, 2, 5)]})
+
+    def test_labels_keep_their_distance(self):
+        ends = transport._spread([{"y": 1.0}, {"y": 1.01}, {"y": 5.0}])
+        self.assertEqual([e["at"] for e in ends], [1.0, 1.35, 5.0])
+
+
+class Claims(unittest.TestCase):
+    def test_rays_multiply(self):
+        def tree(first, third):
+            return row(WHITTED, {"samples": 4, "bounces": 3, "shadow_rays": 4}, bounce_1=first, bounce_2=2.0, bounce_3=third,
+                       all_rays=1 + first + 2 + third, shadow_rays=3.0)  # fmt: skip
+
+        self.assertEqual(verdict("S8", tree(1.9, 6.0)).word, claims.HOLDS)
+        self.assertEqual(verdict("S8", tree(2.5, 6.0)).word, claims.ONLY_IF)
+        self.assertEqual(verdict("S8", row(MIS, {"samples": 4})).word, claims.NOT_RUN)
+
+    def test_the_pseudo_code_is_unbiased_only_put_right(self):
+        wrong = row(LITERAL, {"samples": 64, "slip": "emitters"}, bias=-0.2, z=-300.0)
+        right = row(CORRECTED, {"samples": 64}, z=0.7)
+        v = verdict("L8", wrong, right)
+        self.assertEqual((v.word, v.condition), (claims.ONLY_IF, "put right in all of this (bias +0.00 %)"))
+        self.assertEqual(verdict("L8", wrong).word, claims.FAILS)
+        few = row(CORRECTED, {"samples": 4}, z=9.0)  # too few for z to be normal
+        self.assertEqual(verdict("L8", few).word, claims.NOT_RUN)
+
+
+if __name__ == "__main__":
+    unittest.main()
