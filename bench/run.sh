@@ -65,7 +65,7 @@ fi
 . "$root/scripts/setup.sh"
 ensure_packages
 ensure_python
-build_preset release "${tasks[@]/#/bench_}" treeline_gen
+build_preset release "${tasks[@]/#/bench_}" treeline_gen treeline_render
 mkdir -p "$out" || exit 2  # only now: what could not be set up leaves no empty folder
 out=$(cd "$out" && pwd)
 

@@ -103,7 +103,7 @@ LitScene plates_and_lamps(const SceneJob& j) {
     constexpr float tint[4][3] = {{1, 0.7f, 0.4f}, {1, 1, 0.8f}, {0.7f, 1, 0.8f}, {0.7f, 0.8f, 1}};
     parts.paint(lamp("lamp " + std::to_string(k), Rgb{tint[k][0], tint[k][1], tint[k][2]} * radiance));
   }
-  return parts.take({.position = eye, .target = {0, 1, 0}, .height_angle = 0.75});
+  return parts.take({.position = eye, .target = {0, 0.2, 0}, .height_angle = 0.85});
 }
 
 /// The mesh `architecture` in the light of an even sky, from inside: it comes in by windows alone.
