@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "geometry/random.hpp"
+#include "geometry/sampling.hpp"
+#include "shading/transport/cosine_directions.hpp"
 #include "shading/transport/film.hpp"
 #include "shading/transport/float_sums.hpp"
 
@@ -47,6 +49,22 @@ TEST(FloatSums, SomeSurviveAHundredMillionSamples) {
   EXPECT_NEAR(double(running.mean()), truth, 1e-3);
   EXPECT_NEAR(double(blocks.mean()), truth, 1e-6);
   EXPECT_NEAR(double(kahan.mean()), truth, 1e-7);
+}
+
+TEST(CosineDirections, AreThoseOfTheLibraryInDouble) {
+  constexpr std::size_t n = 4096;
+  geometry::Pcg32 random(4);
+  std::vector<float> u{0, 0.5f, 0.5f, 0, 0.25f, 0.75f, 0x1.fffffep-1f},
+      v{0, 0.5f, 0, 0.5f, 0.75f, 0.75f, 0.5f};
+  while (u.size() < n) u.push_back(random.uniform<float>()), v.push_back(random.uniform<float>());
+  std::vector<float> x(n), y(n), z(n);
+  cosine_directions(n, u.data(), v.data(), x.data(), y.data(), z.data());
+  for (std::size_t i = 0; i < n; ++i) {
+    const geometry::Vec3d d = geometry::sample_hemisphere_cosine(double(u[i]), double(v[i]));
+    ASSERT_NEAR(double(x[i]), d[0], 3e-7) << i;
+    ASSERT_NEAR(double(y[i]), d[1], 3e-7) << i;
+    ASSERT_NEAR(double(z[i]) * double(z[i]), d[2] * d[2], 6e-7) << i;
+  }
 }
 
 struct Moments {
