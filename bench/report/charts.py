@@ -148,7 +148,8 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
             sort=[alt.SortField("x")], next_x="lead(x)", next_y="lead(y)")
         inexact = inexact.transform_filter(
             "!isValid(datum.next_x) || datum.next_x > 6 * datum.x || abs(datum.next_y - datum.y) > 16")
-        inexact = inexact.transform_calculate(name="datum.method + ', ' + datum.time")
+        inexact = inexact.transform_calculate(  # fields at several resolutions are one method
+            name="datum.method + (datum.cells ? ' at ' + datum.cells : '') + ', ' + datum.time")
         layers += [layer.encode(x=x, y=y, text="name:N") for layer in _named(inexact, "0.85", dx=8, dy=-8)]
         notes = alt.Data(values=[{"y": (top + bottom) / 2, "text": error}])
         layers.append(alt.Chart(notes).mark_text(angle=270, fontSize=11, fill=INK, x=-56).encode(y=y, text="text:N"))

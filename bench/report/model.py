@@ -161,7 +161,7 @@ def points(task, rows):
             "lo": r.query_ns if r.query_ns_low is None else r.query_ns_low,
             "hi": r.query_ns if r.query_ns_high is None else r.query_ns_high,
             "y": task.layouts[r.dataset].y(r), "front": id(r) in front, "promise": promises(r), "best": id(r) in best,
-            "slot": slots.get(id(r)), "n": r.n,
+            "slot": slots.get(id(r)), "n": r.n, "cells": (r.build_knobs or {}).get("resolution"),
             "build": max(r.build_s * 1e9 / r.n, charts.LEAST) if r.build_s is not None and r.n else None,
             "bytes": max((r.bytes + (kept(r) or 0)) / r.n, charts.LEAST) if r.bytes is not None and r.n else None,
             "own": max(r.bytes / r.n, charts.LEAST) if r.bytes is not None and r.n else None,

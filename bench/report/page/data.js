@@ -41,10 +41,12 @@ function chosen(task, dataset, c, sizes = false, sets = false) {
 }
 
 function point(r) {
+  const resolution = /\bresolution (\d+)/.exec(r.build || "");
   return {
     i: r.i, method: r.method, x: r.ns,
     lo: r.lo === null ? r.ns : r.lo, hi: r.hi === null ? r.ns : r.hi,
     y: r.y, front: !!r.front, promise: !!r.promise, best: !!r.best, slot: r.slot, n: r.n,
+    cells: resolution ? Number(resolution[1]) : null,
     build: r.build_s === null || !r.n ? null : Math.max((r.build_s * 1e9) / r.n, model.table.least),
     bytes: r.bytes === null || !r.n ? null : Math.max((r.bytes + (r.kept || 0)) / r.n, model.table.least),
     own: r.bytes === null || !r.n ? null : Math.max(r.bytes / r.n, model.table.least),
