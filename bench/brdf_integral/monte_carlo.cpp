@@ -233,7 +233,7 @@ bool add(const char* name, int ladder, bool every = false) {
 }
 
 [[maybe_unused]] const bool registered =
-    add<Way::uniform>("uniform", 1) && add<Way::cosine>("cosine", 2, true) && add<Way::facets>("facets", 3) &&
+    add<Way::uniform>("uniform", 1) && add<Way::cosine>("cosine", 2) && add<Way::facets>("facets", 3) &&
     add<Way::heitz_2018>("visible_2018", 4) && add<Way::caps>("visible_caps", 4) &&
     add<Way::own>("own", 5, true) && add<Way::light>("light", 6) && add<Way::together>("mis", 7);
 

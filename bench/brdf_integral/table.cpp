@@ -84,6 +84,7 @@ class Table final : public Answerer {
               .claim = Claim::approximate,
               .build_knobs = {{{"entries", 32}}, {{"entries", 8}}, {{"entries", 16}}, {{"entries", 64}}},
               .ladder = 0,
+              .quick_builds = 3,
               .scales = false},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Answerer> {
        return std::make_unique<Table>(input, knobs.at("entries").get<int>());

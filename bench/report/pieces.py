@@ -41,7 +41,7 @@ def legend(task, methods=None):
 def winners_table(task, run):
     """Dataset × query set: the fastest right method, and ours beside the best peer."""
     found = [w for w in largest(winners(task.soft)) if w.run == run]
-    if not found:
+    if not found or all(look.source == "ours" for look in task.looks.values()):  # nobody to win against
         return ""
     threads = min(w.threads or 1 for w in found)
     cells = {(w.dataset, w.query_set): w for w in found if (w.threads or 1) == threads}
