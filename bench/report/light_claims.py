@@ -61,9 +61,9 @@ def solid_angle(claim, rows):
         for words, sets, method in (
             (f"area / r² of what faces the viewer, {distance} radii away, is right within 1 %",
              [f"{s}_{distance}" for s in FACING], "area_over_r2"),
-            (f"so it is where it may be tilted by up to 75°, {distance} radii away",
+            (f"area / r² of what may be tilted by up to 75°, {distance} radii away, is right within 1 %",
              [f"{s}_tilted_{distance}" for s in FLAT], "area_over_r2"),
-            (f"so it is with the cosine of the tilt, {distance} radii away",
+            (f"area / r² times the cosine of the tilt, {distance} radii away, is right within 1 %",
              [f"{s}_tilted_{distance}" for s in FLAT], "projected_area_over_r2"),
         ):  # fmt: skip
             found = [r for s in sets for r in c.find("solid_angles", s, method)]
@@ -129,7 +129,7 @@ def energy(claim, rows):
           [r for r in furnace["kulla_conty"] if r.query_set.startswith("white")], "bias", lambda r: r.bias,
           lambda v: abs(v) <= NEAR)  # fmt: skip
     relative = lambda r: r.bias / own("truth")(r) if own("truth")(r) else None
-    for name, words in (("textbook", "F̄Ē/(1−F̄(1−Ē))"), ("directional", "the same with the viewer's E"), ("kulla_conty", "F̄²Ē/(1−F̄(1−Ē))")):
+    for name, words in (("textbook", "F̄Ē/(1−F̄(1−Ē))"), ("directional", "F̄E/(1−F̄(1−E)) by the viewer"), ("kulla_conty", "F̄²Ē/(1−F̄(1−Ē))")):
         for alpha in sorted({white(r)[0] for r in furnace[name]}):
             mine = [r for r in furnace[name] if r.query_set.startswith("colour") and white(r)[0] == alpha]
             c.say(f"the colour {words} is what bounces leave, within 2 %, at α = {alpha:g}", mine, "relative bias", relative,
