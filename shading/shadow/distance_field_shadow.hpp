@@ -57,7 +57,7 @@ class DistanceFieldShadow {
  public:
   /// The field must outlive this. An area light is taken for a disc of its area that faces the receiver. The
   /// light's kind and place are all that is taken from the scene. Throws InvalidScene for a light or options
-  /// that are none, and for a sun where neither the field nor max_distance ends the way.
+  /// that are none, and for a sun where neither samples nor max_distance end the way.
   DistanceFieldShadow(const Field& field, const Light& light, const FieldShadowOptions& options = {})
       : field_(&field), shape_(light), options_(options) {
     detail::check_knob("max_steps", options.max_steps, 1, 1 << 20);
@@ -71,8 +71,8 @@ class DistanceFieldShadow {
     if (!std::isfinite(options.offset) || !(options.min_radius >= 0) ||
         !(options.max_radius >= options.min_radius) || !(options.max_distance > 0))
       throw InvalidScene("the offset is not finite, the cone's radii are no interval, or max_distance is 0");
-    if (!has_bounds && shape_.directional() && std::isinf(options.max_distance))
-      throw InvalidScene("the way to the sun has no end: neither the field's bounds nor max_distance");
+    if (!is_sampled && shape_.directional() && std::isinf(options.max_distance))
+      throw InvalidScene("the way to the sun has no end: neither samples nor max_distance");
     if (light.kind == LightKind::directional)
       radius_ = std::tan(light.angle);
     else if (light.kind == LightKind::disc)
@@ -91,11 +91,13 @@ class DistanceFieldShadow {
   }
 
  private:
-  static constexpr bool has_bounds = requires(const Field& f) { f.bounds(); };
+  /// Whether the way ends with what the samples cover. A formula's bounds end at its surface: what passes
+  /// beside it is in half shadow.
+  static constexpr bool is_sampled = requires(const Field& f) { f.samples().lattice(), f.bounds(); };
 
   double end_of(const Vec3d& from, const Vec3d& way, double distance) const {
     double end = shape_.directional() ? options_.max_distance : distance;
-    if constexpr (has_bounds)
+    if constexpr (is_sampled)
       end = std::min(end, accel::field::detail::within({from, way, 0, INFINITY}, field_->bounds()).end);
     return end;
   }

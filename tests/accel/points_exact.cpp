@@ -1,4 +1,6 @@
 // Every tree under every option against a brute force written here, in a wider type, on clouds that are hard.
+#include <array>
+
 #include "points_common.hpp"
 
 namespace treeline::accel::test {
@@ -89,24 +91,33 @@ TYPED_TEST(PointTrees, AgreeToTheBitWithBruteForce) {
       const auto& brute = *trees.front();
       const auto queries = queries_for(cloud.points, 6);
       const T reach = brute.size() ? length(brute.box().extent() * T(0.125)) : T(1);
-      for_each_tree<T, D>(
-          cloud.points,
-          [&](const std::string&, const auto& tree) {
-            for (const auto& q : queries) {
-              for (const std::size_t k : {1, 10, 120}) {
-                std::vector<Neighbor<T>> mine(k), theirs(k);
-                ASSERT_EQ(tree.nearest(q, k, mine), brute.nearest(q, k, theirs));
-                ASSERT_EQ(mine, theirs);
-              }
-              for (const T radius : {T(0), reach, std::numeric_limits<T>::infinity()}) {
-                std::vector<Neighbor<T>> mine, theirs;
-                tree.within(q, radius, mine), brute.within(q, radius, theirs);
-                std::sort(mine.begin(), mine.end()), std::sort(theirs.begin(), theirs.end());
-                ASSERT_EQ(mine, theirs);
-              }
-            }
-          },
-          leaf_size);
+      const std::array<std::size_t, 3> counts{1, 10, 120};
+      const std::array<T, 3> radii{T(0), reach, std::numeric_limits<T>::infinity()};
+      using Found = std::vector<Neighbor<T>>;
+      const auto nearest = [](const auto& tree, const auto& q, std::size_t k) {
+        Found found(k);
+        found.resize(tree.nearest(q, k, found));
+        return found;
+      };
+      const auto within = [](const auto& tree, const auto& q, T radius) {
+        Found found;
+        tree.within(q, radius, found);
+        std::sort(found.begin(), found.end());
+        return found;
+      };
+      std::vector<Found> theirs;  // in the order in which they are asked below
+      for (const auto& q : queries) {
+        for (const std::size_t k : counts) theirs.push_back(nearest(brute, q, k));
+        for (const T radius : radii) theirs.push_back(within(brute, q, radius));
+      }
+      for (const auto& tree : trees) {
+        SCOPED_TRACE(tree->name);
+        auto expected = theirs.begin();
+        for (const auto& q : queries) {
+          for (const std::size_t k : counts) ASSERT_EQ(nearest(*tree, q, k), *expected++);
+          for (const T radius : radii) ASSERT_EQ(within(*tree, q, radius), *expected++);
+        }
+      }
     }
 }
 
@@ -200,18 +211,21 @@ TYPED_TEST(PointTrees, InsideIsTheClosedBox) {
       box.high[0] = infinity;
       boxes.push_back(box);
     }
+    std::vector<std::set<Id>> truths;
+    for (const auto& box : boxes) {
+      truths.emplace_back();
+      for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+        bool in = true;
+        for (int a = 0; a < D; ++a)
+          in = in && box.low[a] <= cloud.points[i][a] && cloud.points[i][a] <= box.high[a];
+        if (in) truths.back().insert(static_cast<Id>(i));
+      }
+    }
     for_each_tree<T, D>(cloud.points, [&](const std::string&, const auto& tree) {
-      for (const auto& box : boxes) {
+      for (std::size_t b = 0; b < boxes.size(); ++b) {
         std::vector<Id> out{12345};
-        tree.inside(box, out);
-        std::set<Id> truth;
-        for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-          bool in = true;
-          for (int a = 0; a < D; ++a)
-            in = in && box.low[a] <= cloud.points[i][a] && cloud.points[i][a] <= box.high[a];
-          if (in) truth.insert(static_cast<Id>(i));
-        }
-        ASSERT_EQ(ids_of(out), truth);
+        tree.inside(boxes[b], out);
+        ASSERT_EQ(ids_of(out), truths[b]);
       }
     });
   }
