@@ -3,7 +3,7 @@ resolution. Each line is one method, by its best knobs at each resolution."""
 
 from bench.report import charts
 from bench.report.model import extra
-from bench.report.units import count
+from bench.report.units import several
 
 alt = charts.alt
 
@@ -33,7 +33,7 @@ def points(rows, value=lambda r: r.error):
 
 
 def figures(task, numbers, width, legend):
-    """[(name, title, dataset, chart)]"""
+    """[(name, title, dataset, chart, its methods' looks)]"""
     rows = [r for r in task.soft if r.run == (task.runs or [0])[0] and r.threads == (task.threads or [None])[0]]
     out = []
     for dataset in task.datasets:
@@ -42,7 +42,7 @@ def figures(task, numbers, width, legend):
         found = points(here)
         if len({resolution for _, resolution in found}) < 2:
             continue
-        where = f"{dataset}, {count(size)} {task.text.element}s"
+        where = f"{dataset}, {several(size, task.text.element)}"
         samples = points(here, sample_error)
         for what, found, title, value in (("error", found, "mean error in longest sides, log", lambda r: r.error),
                                           ("samples", samples, "mean error of samples, log", sample_error),
@@ -52,7 +52,7 @@ def figures(task, numbers, width, legend):
             if not values:
                 continue
             out.append((f"{task.name}-resolution-{what}-{dataset}", f"{what}: {where}", dataset,
-                        _chart(values, looks, title, legend, width)))  # fmt: skip
+                        _chart(values, looks, title, legend, width), looks))  # fmt: skip
     return out
 
 

@@ -1,4 +1,4 @@
-"""Colour and shape of each method: filled ones are ours, hollow ones peers.
+"""Colour and shape of each method: filled ones are ours, hollow ones peers. Beyond that, no two share both while shapes last.
 
 The colour is that of the family (of our trees) or of the library (of peers), in every task and every report; methods
 of one colour differ in shape. Colours are Okabe and Ito's, which the colour-blind can tell apart (yellow left out: too
@@ -75,13 +75,14 @@ def looks(rows):
     seen = {}
     for row in rows:
         seen.setdefault(row.method, (row.source, row.family or ""))
-    shapes = {}
+    shapes, taken = {}, {}
     for source in ("ours", "peer"):
-        taken = set()
+        mine = taken[source] = set()
         # In the order of their names, not of their rows; the textbook's have the first choice.
         for method in sorted((m for m, (s, _) in seen.items() if s == source), key=lambda m: (m not in PLAIN, m)):
             wanted = _wanted(method, source, seen[method][1])
-            shapes[method] = next((w for w in wanted if w not in taken), wanted[0])
-            taken.add(shapes[method])
+            # A shape that only the other group has in this colour is better than another colour.
+            shapes[method] = min(wanted, key=lambda w: (w in mine, w[0] != wanted[0][0], w in taken["ours"]))
+            mine.add(shapes[method])
     ours_first = sorted(seen, key=lambda m: seen[m][0] != "ours")
     return {m: Look(m, *seen[m], *shapes[m]) for m in ours_first}

@@ -3,8 +3,8 @@
 from html import escape as esc
 
 from bench.report import approximate, palette, stability
-from bench.report.units import count, duration
-from bench.report.winners import LUCKY, largest, means, winners
+from bench.report.units import count, duration, several
+from bench.report.winners import DAMAGED, LUCKY, damaged, largest, means, winners
 
 
 def glyph(look, size=13):
@@ -56,13 +56,14 @@ def winners_table(task, run):
             name = f'<a href="#{task.name}-{k}">{_breakable(dataset)}</a>'
             lines.append(f"<tr><th scope=row>{name} <small>{count(size)}</small></th>{row}</tr>")
     foot = ". ".join(text[0].upper() + text[1:] for text in means(found, "×"))
+    left_out = f" {DAMAGED[0].upper()}{DAMAGED[1:]}." if any(map(damaged, task.soft)) else ""
     lucky = f" In brackets: ours {LUCKY}." if any(w.beside_lucky for w in found) else ""
     return (f'<div class="scroll"><table class="winners"><thead><tr><th scope=col>dataset</th>{head}</tr></thead>'
             f'<tbody>{"".join(lines)}</tbody></table></div><p class="note">{foot + "." if foot else ""} Each cell: the fastest '
             "exact method at the largest size, and how many times faster our best is than the best exact peer in the same "
             "run; ~ where the intervals of the repetitions overlap or there was only one. Exact is, of ours and of peers "
             "alike, who promises it (claim exact, or bounded by rounding) and kept to it here, up to a mean error of 1e-6, "
-            f"which is what single precision leaves. Approximate methods are in the charts, and win nothing here.{lucky}</p>")  # fmt: skip
+            f"which is what single precision leaves. Approximate methods are in the charts, and win nothing here.{left_out}{lucky}</p>")  # fmt: skip
 
 
 def _winner(task, k, query_set, w):
@@ -114,7 +115,7 @@ def rungs(task, dataset):
     heads = ("query set", "our rung", "recall", "time", "FLANN's fastest of that recall", "FLANN / ours", "FLANN's frontier")
     head = "".join(f"<th scope=col>{h}</th>" for h in heads)
     every = [r for found in by_set.values() for r in found]
-    where = f"at {count(size)} {task.text.element}s, all nearest-neighbour sets"
+    where = f"at {several(size, task.text.element)}, all nearest-neighbour sets"
     return (f'<p class="rungs-told"><b>Approximate rungs</b> {where}: {esc(approximate.summary(every))}</p>'
             "<details><summary>Each rung at its recall</summary>"
             f'<div class="scroll"><table class="plain"><thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody>'

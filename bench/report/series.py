@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from bench.report import charts, fields
 from bench.report.frontier import right
-from bench.report.units import count
+from bench.report.units import several
 
 alt = charts.alt
 
@@ -59,7 +59,7 @@ def _threads(task, numbers, width, legend):
         of_dataset = [r for r in rows if r.dataset == dataset]
         size = max(r.size for r in of_dataset)
         here = [r for r in of_dataset if r.size == size]
-        where = f"{dataset}, {count(size)} {task.text.element}s"
+        where = f"{dataset}, {several(size, task.text.element)}"
         for query_set in dict.fromkeys(r.query_set for r in here):
             values = _speedups([r for r in here if r.query_set == query_set], numbers, "query_ns")
             figures.append((f"{query_set.removesuffix('_threads')}: {where}", dataset, query_set, values))
@@ -143,7 +143,7 @@ def _batches(task, numbers, width, legend):
         methods += looks
         chart = charts.scaling_chart(alt.Data(values=values), looks, task.text.element, "point that comes or goes",
                                      legend, width, 300, f"{task.text.element}s in a batch")  # fmt: skip
-        title = f"{dataset}, {count(size)} {task.text.element}s there at a time"
+        title = f"{dataset}, {several(size, task.text.element)} there at a time"
         out.append(Figure(f"{task.name}-batches-{dataset}", title, dataset, chart))
     return Card(f"{task.name}-card-changes", "Changes", BATCHES, out, tuple(methods))
 
@@ -154,5 +154,7 @@ def _batches(task, numbers, width, legend):
 def _resolutions(task, numbers, width, legend):
     if task.name != "distance_field":
         return None
-    found = [Figure(*figure) for figure in fields.figures(task, numbers, width, legend)]
-    return Card(f"{task.name}-card-resolution", "Resolution", fields.CAPTION, found)
+    found = fields.figures(task, numbers, width, legend)
+    drawn = {method for *_, looks in found for method in looks}
+    methods = tuple(m for m in task.looks if m in drawn)
+    return Card(f"{task.name}-card-resolution", "Resolution", fields.CAPTION, [Figure(*figure) for *figure, _ in found], methods)

@@ -7,7 +7,7 @@ from bench.report import charts
 from bench.report.palette import INK
 from bench.report.rows import knob_text
 from bench.report.series import Card, Figure
-from bench.report.units import count
+from bench.report.units import several
 
 alt = charts.alt
 
@@ -84,7 +84,7 @@ def _beside_rays(task, numbers, width):
         line = min(rays) if rays else SOBOL_AT_16
         looks = {m: look for m, look in task.looks.items() if any(v["method"] == m for v in values)}
         methods |= set(looks)
-        title = f"{dataset}, {count(size)} {task.text.element}s"
+        title = f"{dataset}, {several(size, task.text.element)}"
         figures.append(Figure(f"{task.name}-rays-{dataset}", title, dataset, _rays_chart(values, looks, line, width)))
     what = MEASURED.format(rays=RAYS) if measured else EXPECTED.format(rays=RAYS, value=SOBOL_AT_16)
     caption = BESIDE_RAYS.format(rays=RAYS, what=what)

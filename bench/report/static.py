@@ -9,7 +9,7 @@ import vl_convert
 from bench.report import charts, closest, inside, rays, series, shadows, stability, surfaces, transport
 from bench.report.layout import lane_notes
 from bench.report.model import bytes_title, points
-from bench.report.units import count
+from bench.report.units import count, several
 
 COLORS = {
     "crashed": "#8c8c8c", "timeout": "#E69F00", "out_of_memory": "#CC79A7", "wrong": "#D55E00", "refused": "#56B4E9",
@@ -37,7 +37,7 @@ def _charts(task):
         for query_set in task.query_sets:
             here = [r for r in rows if r.query_set == query_set]
             shown = [r for r in here if r.size == size and task.layouts[dataset].y(r) is not None]
-            title = f"{dataset}, {count(size)} {task.text.element}s, {query_set}"
+            title = f"{dataset}, {several(size, task.text.element)}, {query_set}"
             name = _file_name(task.name, dataset, query_set)
             if shown:
                 notes = lane_notes(task.layouts[dataset], [r for r in here if r.size == size])

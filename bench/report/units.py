@@ -30,3 +30,8 @@ def count(n):
         if n >= scale:
             return f"{n / scale:.3g}{unit}"
     return str(n)
+
+
+def several(n, word):
+    """So many of what the word names: "1 direction", "20k triangles"."""
+    return f"{count(n)} {word}{'' if n == 1 else 's'}"

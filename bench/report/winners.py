@@ -3,7 +3,8 @@
 
 A method counts as exact if its claim promises it and its answers kept to it: the same is asked of ours and of peers.
 Approximate ones win nothing here, however right they were on the queries at hand; where such a peer had no error on
-them and was faster than every peer that promises, ours is set against it, too.
+them and was faster than every peer that promises, ours is set against it, too. Damaged meshes are left out: what is
+inside of them nobody promises.
 """
 
 import argparse
@@ -73,9 +74,14 @@ def apart(a, b):
     return -1 if ia[1] < ib[0] else 1 if ib[1] < ia[0] else 0
 
 
+def damaged(row):
+    return "+" in row.dataset
+
+
 def winners(rows):
     found = []
-    for (run, task, _, _, query_set, threads), group in groups(r for r in rows if not (r.hard or r.scaling)).items():
+    judged = (r for r in rows if not (r.hard or r.scaling or damaged(r)))
+    for (run, task, _, _, query_set, threads), group in groups(judged).items():
         ours = fastest(r for r in group if r.source == "ours")
         peers = [r for r in group if r.source == "peer"]
         peer, lucky = fastest(peers), fastest(peers, right)
@@ -116,6 +122,8 @@ def table(rows, sizes=largest):
         lines += _aligned([["dataset", "n", *sets]] + [[name, count(size), *(cells.get(s, "-") for s in sets)]
                                                        for (name, size, _, _), cells in body.items()])  # fmt: skip
         lines += [f"  {text}" for text in means(found, "x")]
+        if any(r.task == task and damaged(r) for r in rows):
+            lines.append(f"  {DAMAGED}")
     every = winners(rows)
     if any(w.ratio and not w.clear for w in every):
         lines.append("  ~ no clear winner: the intervals of the repetitions overlap, or there was only one")
@@ -126,6 +134,7 @@ def table(rows, sizes=largest):
     return "\n".join(lines).lstrip("\n")
 
 
+DAMAGED = "meshes that were damaged (+ in the name) are left out: of what is inside of them nobody promises anything"
 LUCKY = ("beside the fastest peer that had no error on these queries though it promises nothing for others: a faster "
          "one than those that promise")  # fmt: skip
 
@@ -141,7 +150,8 @@ def means(found, times):
     if any(w.beside_lucky for w in found):
         mean = mean_ratio(found, lambda w: w.hardest)
         cells = sum(w.hardest is not None for w in found)
-        out.append(f"of {cells}, with the peers that had no error here whatever they claim: {mean:.2f}{times}")
+        out.append(f"in {cells} cell{'s' if cells > 1 else ''} ours runs at {mean:.2f}{times} the speed of the fastest peer that "
+                   "had no error here, whatever it claims (geometric mean)")  # fmt: skip
     return out
 
 

@@ -24,7 +24,7 @@ function tipHtml(r) {
       (r.kept ? `, beside ${figure(r.kept)} of the user's that must stay (${figure((r.bytes + r.kept) / r.n)} in all)` : "")) +
     line("work", r.nodes === null && r.primitives === null ? "–" :
       `${figure(r.nodes)} nodes, ${r.leaves === null ? "" : figure(r.leaves) + " leaves, "}${figure(r.primitives)} ${element}s per query`) +
-    line("on", `${r.dataset}, ${r.n.toLocaleString("en")} ${element}s` + (r.set ? ", " + r.set : "") + (r.threads ? `, ${r.threads} thread${r.threads > 1 ? "s" : ""}` : "")) +
+    line("on", `${r.dataset}, ${several(r.n, element)}` + (r.set ? ", " + r.set : "") + (r.threads ? `, ${r.threads} thread${r.threads > 1 ? "s" : ""}` : "")) +
     "</table>"
   );
 }
@@ -120,7 +120,7 @@ function updateCard(card) {
   const list = chosen(task, dataset, choice(task));
   const element = model.tasks[task].element;
   card.querySelector(".size").textContent = list.length
-    ? `${list[0].n.toLocaleString("en")} ${element}s` : "not measured at this size";
+    ? several(list[0].n, element) : "not measured at this size";
   const absent = list.filter((r) => r.status === "unsupported" || r.status === "not_built");
   const texts = firstOf(absent, (r) => r.method).map((r) => `${r.method} (${r.status.replace("_", " ")}${r.reason ? ": " + r.reason : ""})`);
   card.querySelector(".absent").textContent = texts.length ? "Not measured here: " + texts.join("; ") + "." : "";

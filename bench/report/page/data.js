@@ -17,6 +17,9 @@ for (const row of rows) {
 }
 const rowsOf = (task, dataset) => byDataset.get(task + "/" + dataset) || [];
 
+/// "1 direction", "20,000 triangles".
+const several = (n, word) => `${n.toLocaleString("en")} ${word}${n === 1 ? "" : "s"}`;
+
 /// What the reader chose for a task: query set, size ("largest" or a number), run, threads.
 function choice(task) {
   const value = (name) => {
