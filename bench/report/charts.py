@@ -6,6 +6,8 @@ for other queries, too), slot, n, note (why a lane without any is empty), build 
 element: with the input that must stay, and without).
 """
 
+from math import log10
+
 import altair as alt
 
 DURATION = (
@@ -92,6 +94,29 @@ def _named(base, shown="1", **look):
     text = dict(align="left", fontSize=10) | look
     return (base.mark_text(**text, stroke=PAPER, strokeWidth=3, strokeJoin="round", fill=PAPER, opacity=_pick("0.8")),
             base.mark_text(**text, fill=INK, opacity=_pick(shown)))  # fmt: skip
+
+
+def spread(values, at, height, apart=11):
+    """Where labels at these values of a logarithmic axis stand, in their order: moved apart to so many pixels, as little as
+    that takes (least squares). at: all that the axis shows besides; height: the axis', in pixels."""
+    logs = [log10(v) for v in values]
+    low, high = (pick(logs + [log10(v) for v in at]) for pick in (min, max))
+    order = sorted(range(len(logs)), key=lambda k: logs[k])
+    for _ in range(3):  # what is moved beyond the others lengthens the axis
+        gap = apart / height * (high - low)
+        pools = []  # [sum, number] of labels that touch; less its gaps a run of them has one place
+        for n, k in enumerate(order):
+            pools.append([logs[k] - n * gap, 1])
+            while len(pools) > 1 and pools[-2][0] / pools[-2][1] > pools[-1][0] / pools[-1][1]:
+                total, number = pools.pop()
+                pools[-1] = [pools[-1][0] + total, pools[-1][1] + number]
+        places = [total / number for total, number in pools for _ in range(number)]
+        places = [place + n * gap for n, place in enumerate(places)]
+        low, high = min(low, *places), max(high, *places)
+    out = [0.0] * len(logs)
+    for k, place in zip(order, places):
+        out[k] = 10**place
+    return out
 
 
 def _pick_param():

@@ -141,7 +141,7 @@ def _named(rows):
 def _astray_chart(values, looks, width):
     lines = list(dict.fromkeys(v["line"] for v in values))
     scale = alt.Scale(type="log", domain=[LEAST_SHARE, 1], nice=False, padding=10)
-    x = alt.X("share:Q", scale=scale, axis=alt.Axis(title="share of answers off by more than 1e-6, log", format="~%",
+    x = alt.X("share:Q", scale=scale, axis=alt.Axis(title="share off by > 1e-6, log", format="~%",
                                                     values=[1e-3, 1e-2, 0.1, 1], gridOpacity=0.5))  # fmt: skip
     y = alt.Y("line:N", sort=lines, scale=alt.Scale(domain=lines), axis=alt.Axis(
         title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=200))  # fmt: skip

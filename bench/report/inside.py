@@ -5,7 +5,7 @@ from bench.report import charts, solids
 from bench.report.palette import INK
 from bench.report.rows import knob_text
 from bench.report.series import Card, Figure
-from bench.report.units import count
+from bench.report.units import several
 
 alt = charts.alt
 
@@ -24,7 +24,7 @@ def cards(task, numbers, width="container"):
     figures = []
     for (base, size, query_set), found in damage_table(task.soft).items():
         chart = _chart(found, numbers, width)
-        title = f"{query_set}: {base}, {count(size)} {task.text.element}s"
+        title = f"{query_set}: {base}, {several(size, task.text.element)}"
         figures.append(Figure(f"{task.name}-damage-{base}-{size}-{query_set}", title, base, chart))
     damage = Card(f"{task.name}-card-damage", "Damaged meshes", DAMAGE, figures) if figures else None
     return [card for card in (damage, solids.card(task, numbers, width)) if card]
@@ -42,16 +42,21 @@ def damage_table(rows):
     rows = [r for r in rows if r.method in methods]
     builds = {}
     for r in rows:
-        builds.setdefault(r.method, set()).add(knob_text(r.build_knobs))
+        builds.setdefault(r.method, []).append(r.build_knobs or {})
     found = {}
     for r in rows:
         base, plus, damage = r.dataset.partition("+")
         if not plus:
             continue
-        knobs = knob_text(r.build_knobs)
-        line = f"{r.method}, {knobs}" if len(builds[r.method]) > 1 else r.method
+        told = knob_text(_telling(r.build_knobs or {}, builds[r.method]))
+        line = f"{r.method}, {told}" if told else r.method
         found.setdefault((base, r.size, r.query_set), {})[line, damage] = r
     return found
+
+
+def _telling(knobs, builds):
+    """Those that are not the same in all builds of the method."""
+    return {name: value for name, value in knobs.items() if any(other.get(name) != value for other in builds)}
 
 
 def _share(row):
@@ -63,6 +68,9 @@ def _share(row):
     return f"{percent:.0f}" if percent >= 9.95 else f"{percent:.2g}"
 
 
+HEAD = 45  # pixels by which the last column's slanting head reaches over the table
+
+
 def _chart(found, numbers, width):
     left_out = lambda line: sum(r.error is None for (other, _), r in found.items() if other == line)
     lines = sorted(dict.fromkeys(line for line, _ in found), key=left_out)
@@ -72,10 +80,11 @@ def _chart(found, numbers, width):
               for (line, damage), row in found.items()]  # fmt: skip
     x = alt.X("damage:N", sort=[d.replace("_", " ") for d in damages],
               axis=alt.Axis(title=None, orient="top", labelAngle=-30, ticks=False, domain=False))  # fmt: skip
-    y = alt.Y("line:N", sort=lines, axis=alt.Axis(title=None, ticks=False, domain=False, labelLimit=200))
+    y = alt.Y("line:N", sort=lines, axis=alt.Axis(title=None, ticks=False, domain=False, labelLimit=320))
     color = alt.Color("share:Q", legend=None, scale=alt.Scale(type="log", domain=[1e-4, 1], range=["#E6F4EE", "#D55E00"]))
     base = alt.Chart(alt.Data(values=values)).encode(x=x, y=y)
     cells = (base.transform_filter("isValid(datum.share)").mark_rect(stroke="white", strokeWidth=1.5)
              .encode(color=color, tooltip=alt.Tooltip("i:Q")))  # fmt: skip
     texts = base.mark_text(fontSize=10, fill=INK).encode(text="text:N")
-    return alt.layer(cells, texts).properties(width=width, height=alt.Step(20))
+    return alt.layer(cells, texts).properties(width=width, height=alt.Step(20),
+                                            padding={"left": 5, "top": 5, "right": HEAD, "bottom": 5})

@@ -45,7 +45,7 @@ def _log(title, **axis):
 def _legend(values, field, colors):
     known = [name for name in colors if any(v[field] == name for v in values)]
     return alt.Color(f"{field}:N", scale=alt.Scale(domain=known, range=[colors[name] for name in known]),
-                     legend=alt.Legend(title=None, orient="bottom", columns=6, symbolType="circle"))  # fmt: skip
+                     legend=alt.Legend(title=None, orient="bottom", columns=3, symbolType="circle"))  # fmt: skip
 
 
 # ---- errors by samples -------------------------------------------------------------------------------------------
@@ -88,12 +88,19 @@ def _fall(task, width):
 
 
 def _fall_chart(values, ends, width):
+    height = 240
     color = _legend(values, "points", COLORS)
-    x = alt.X("n:Q", **_log("samples, log", values=sorted({v["n"] for v in values})))
-    y = alt.Y("error:Q", **_log("relative RMS error, log", format=".0e", tickCount=5))
+    along = alt.Scale(type="log", nice=False, domain=[pick(v["n"] for v in values) for pick in (min, max)],
+                      range=[14, alt.expr("width - 38")])  # fmt: skip
+    x = alt.X("n:Q", scale=along, axis=alt.Axis(title="samples, log", values=sorted({v["n"] for v in values}), gridOpacity=0.5))
+    look = _log("relative RMS error, log", format=".0e", tickCount=5)
+    y = alt.Y("error:Q", **look)
     base = alt.Chart(alt.Data(values=values)).encode(x=x, y=y, color=color)
-    text = alt.Chart(alt.Data(values=ends)).mark_text(align="left", dx=6, fontSize=10).encode(x=x, y=y, text="slope:N", color=color)
-    return alt.layer(base.mark_line(strokeWidth=1.5), base.mark_point(filled=True, size=30), text).properties(width=width, height=240)
+    places = charts.spread([e["error"] for e in ends], [v["error"] for v in values], height)
+    ends = [end | {"at": place} for end, place in zip(ends, places)]
+    text = alt.Chart(alt.Data(values=ends)).mark_text(align="left", dx=6, fontSize=10).encode(
+        x=x, y=alt.Y("at:Q", scale=look["scale"]), text="slope:N", color=color)  # fmt: skip
+    return alt.layer(base.mark_line(strokeWidth=1.5), base.mark_point(filled=True, size=30), text).properties(width=width, height=height)
 
 
 # ---- efficiency --------------------------------------------------------------------------------------------------

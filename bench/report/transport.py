@@ -6,7 +6,7 @@ from math import log
 from bench.report import charts
 from bench.report.palette import INK
 from bench.report.series import Card, Figure
-from bench.report.units import count, figure
+from bench.report.units import figure, several
 
 alt = charts.alt
 
@@ -22,8 +22,8 @@ time, as one of twice the efficiency needs half the time for the same noise. Bia
 not help them."""
 
 DEPTH = """How much darker the image, or the mean radiance of the closed box's floor, gets by ending paths after so many
-bounces; 1 is direct light alone. The line is what radiosity, without a ray, says of the floor. Differences below what
-the samples can tell ({few:g}) are left out."""
+bounces; 1 is direct light alone. The strong line without marks is what radiosity, without a ray, says of the floor.
+Differences below twice their standard error, or below {few:g}, are left out: the samples cannot tell them from none."""
 
 BOUNCES = """Rays of Whitted tracing for each primary ray, by the bounce: mirrors send on one ray, glass two, so that bounce k
 has at most 2^k (the dashed line). Shadow rays come on top: every diffuse hit asks each lamp."""
@@ -99,7 +99,7 @@ def _rooms(task, rows):
         mine = [r for r in rows if r.dataset == dataset and r.query_set == "image"]
         if mine:
             size = max(r.size for r in mine)
-            yield f"{dataset}, {count(size)} {task.text.element}s", dataset, [r for r in mine if r.size == size]
+            yield f"{dataset}, {several(size, task.text.element)}", dataset, [r for r in mine if r.size == size]
 
 
 def _looks(task, methods):
@@ -120,34 +120,29 @@ def _convergence(task, numbers, width):
             fitted = slope([p[:2] for p in points])
             for n, error, row in points:
                 values.append({"i": numbers[id(row)], "method": row.method, "series": name, "x": n, "y": error})
-            ends.append({"method": points[0][2].method, "x": points[-1][0], "y": points[-1][1], "text": f"{name} {fitted:.2f}"})
+            ends.append({"method": points[0][2].method, "x": points[-1][0], "y": points[-1][1], "text": f"{name} {fitted:.2f}".replace("-", "−")})
         looks = _looks(task, {v["method"] for v in values})
         methods |= set(looks)
-        chart = _convergence_chart(values, _spread(ends), looks, width)
+        chart = _convergence_chart(values, ends, looks, width)
         figures.append(Figure(f"{task.name}-convergence-{dataset}", title, dataset, chart))
     return Card(f"{task.name}-card-convergence", "Convergence", CONVERGENCE, figures, tuple(methods))
 
 
-def _spread(ends, least=1.35):
-    """Labels that would lie upon each other are moved apart, upwards; each by this factor at least."""
-    out, below = [], 0
-    for end in sorted(ends, key=lambda e: e["y"]):
-        at = max(end["y"], below * least)
-        out.append(end | {"at": at})
-        below = at
-    return out
+LABELS = 135  # pixels beside the lines, for their names and slopes
 
 
 def _convergence_chart(values, ends, looks, width):
-    most = max(v["x"] for v in values)
-    x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, domain=[min(v["x"] for v in values), 8 * most]),
+    height = 300
+    first, most = (pick(v["x"] for v in values) for pick in (min, max))
+    x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, domain=[first, most], range=[4, alt.expr(f"width - {LABELS}")]),
               axis=alt.Axis(title="samples a pixel, log", values=sorted({v["x"] for v in values}), gridOpacity=0.5))  # fmt: skip
-    low, high = min(v["y"] for v in values), max(max(v["y"] for v in values), max(e["at"] for e in ends))
+    places = charts.spread([e["y"] for e in ends], [v["y"] for v in values], height)
+    ends = [end | {"at": place} for end, place in zip(ends, places)]
+    low, high = (pick([v["y"] for v in values] + places) for pick in (min, max))
     scale = alt.Scale(type="log", nice=False, domain=[low / 1.5, 1.5 * high])
     y = alt.Y("y:Q", scale=scale, axis=alt.Axis(title="relMSE, log", format=".0e", tickCount=6, gridOpacity=0.5))
     color, _ = charts._scales(looks)
     base = alt.Chart(alt.Data(values=values))
-    first = min(v["x"] for v in values)
     start = sorted(v["y"] for v in values if v["x"] == first)
     start = start[len(start) // 2]
     ideal = alt.Chart(alt.Data(values=[{"x": first, "y": start}, {"x": most, "y": max(start * first / most, low / 1.5)}]))
@@ -157,7 +152,7 @@ def _convergence_chart(values, ends, looks, width):
     dots = charts._points(base, looks, False, 30).encode(x=x, y=y)
     label = alt.Chart(alt.Data(values=ends)).mark_text(align="left", dx=6, fontSize=9, fill=INK, opacity=charts._pick("0.9")).encode(
         x=x, y=alt.Y("at:Q", scale=scale), text="text:N")  # fmt: skip
-    return alt.layer(ideal, lines, dots, label).add_params(charts._pick_param()).properties(width=width, height=300)
+    return alt.layer(ideal, lines, dots, label).add_params(charts._pick_param()).properties(width=width, height=height)
 
 
 # ---- efficiency and speed ----------------------------------------------------------------------------------------------
@@ -167,11 +162,11 @@ def efficiency(row):
     return 1e9 / (field(row, "rel_mse") * row.query_cpu_ns) if field(row, "rel_mse") and row.query_cpu_ns else None
 
 
-def _lanes(values, looks, title, width, ratio_of=None):
-    """A lane a series, log; labels: how many times that of `ratio_of`."""
+def _lanes(values, looks, title, width):
+    """A lane a series, log; each mark with its label."""
     names = list(dict.fromkeys(v["series"] for v in values))
-    scale = alt.Scale(type="log", nice=False, padding=24)
-    x = alt.X("x:Q", scale=scale, axis=alt.Axis(title=title, format="~s", tickCount=5, gridOpacity=0.5))
+    scale = alt.Scale(type="log", nice=False, padding=40)
+    x = alt.X("x:Q", scale=scale, axis=charts._log_axis("x", "format(datum.value, '~s')", title))
     y = alt.Y("series:N", sort=names, scale=alt.Scale(domain=names),
               axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=150))  # fmt: skip
     base = alt.Chart(alt.Data(values=values))
@@ -224,7 +219,7 @@ def _speed(task, numbers, width):
     for dataset, pair in speeds(soft(task)).items():
         ratio = paths_a_second(pair[0]) / paths_a_second(pair[1])
         for r in pair:
-            label = f"{figure(ratio)}×" if r.method == "mis" else ""
+            label = f"{figure(ratio)}×" if r is max(pair, key=paths_a_second) else ""  # where no mark follows
             values.append({"i": numbers[id(r)], "method": r.method, "series": dataset, "x": paths_a_second(r), "label": label})
     if not values:
         return Card("", "", "", [])
@@ -238,7 +233,7 @@ def _speed(task, numbers, width):
 
 
 def depth(rows):
-    """{what: [(bounces, how much darker, what radiosity says or None)]}"""
+    """{what: [(bounces, how much darker or None where samples cannot tell, what radiosity says or None)]}"""
     found = {}
     for r in rows:
         bounces = (r.query_knobs or {}).get("bounces")
@@ -249,13 +244,15 @@ def depth(rows):
         else:
             told, exact, what = r.bias, None, r.dataset
         if told is not None:
-            found.setdefault(what, []).append((bounces, -told, None if exact is None else -exact))
-    return {what: sorted(points) for what, points in found.items()}
+            least = max(FEW, 2 * (field(r, "floor_error" if r.query_set == "walls" else "bias_error") or 0))
+            point = (bounces, -told if abs(told) >= least else None, None if exact is None else -exact)
+            found.setdefault(what, []).append(point)
+    return {what: sorted(points, key=lambda p: p[0]) for what, points in found.items()}
 
 
 def _depth(task, width):
     found = depth(soft(task))
-    told = [{"what": what, "x": b, "y": y} for what, points in found.items() for b, y, _ in points if y > FEW]
+    told = [{"what": what, "x": b, "y": y} for what, points in found.items() for b, y, _ in points if y and y > 0]
     exact = [{"what": what, "x": b, "y": e} for what, points in found.items() for b, _, e in points if e and e > FEW]
     if not told:
         return Card("", "", "", [])
@@ -365,7 +362,8 @@ def _fireflies(task, numbers, width):
         looks = _looks(task, {v["method"] for v in data})
         methods |= set(looks)
         x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, padding=14),
-                  axis=alt.Axis(title="largest sample's share of the image, log", format=".0e", tickCount=4, gridOpacity=0.5))  # fmt: skip
+                  axis=alt.Axis(title="largest sample's share of the image, log", format="~g", tickCount=4, labelOverlap="greedy",
+                            labelSeparation=6, gridOpacity=0.5))  # fmt: skip
         y = alt.Y("y:Q", scale=alt.Scale(type="log", nice=False, padding=10),
                   axis=alt.Axis(title="kurtosis, log", format="~s", tickCount=5, gridOpacity=0.5))  # fmt: skip
         chart = charts._points(alt.Chart(alt.Data(values=data)), looks, False).encode(x=x, y=y)

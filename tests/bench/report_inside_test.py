@@ -39,6 +39,12 @@ class Damage(unittest.TestCase):
         values = card.figures[0].chart.to_dict()["data"]["values"]
         self.assertEqual({v["text"] for v in values}, {"0.1", "0.2", "3", "100"})
 
+    def test_lines_name_the_knobs_that_tell_them_apart(self):
+        _, found = self.table(*(row("facing", "ball+nested", 0.1, build={"quality": "medium", "robust": r}) for r in (True, False)),
+                              row("rays", "ball+nested", 0.2, build={"seed": 1}))  # fmt: skip
+        (cells,) = found.values()
+        self.assertEqual({line for line, _ in cells}, {"facing, robust yes", "facing, robust no", "rays"})
+
     def test_what_a_method_leaves_to_others_is_told_where_it_answers_any(self):
         entries = [row("solid", "ball+hole_2", None, ns=None, status="unsupported"), row("solid", "ball+nested", 0.1),
                    row("sum", "ball+hole_2", None, ns=None, status="unsupported"), row("rays", "ball+hole_2", 0.5)]  # fmt: skip

@@ -2,11 +2,12 @@
 
 import sys
 import unittest
+from math import log10
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
-from bench.report import claims, model, transport
+from bench.report import charts, claims, model, transport
 from report_made import made, read
 
 MIS = ("mis", "bvh", "ours", "stochastic")
@@ -53,7 +54,7 @@ class Cards(unittest.TestCase):
         rows += [row(MIS, {"samples": 64, "bounces": 2}, 0.5), row(MIS, {"samples": 64, "survival": 0.5}, 0.5)]
         cards, _ = cards_of(*rows)
         texts = {v["text"] for v in values_of(cards["Convergence"].figures[0].chart) if "text" in v}
-        self.assertEqual(texts, {"mis -1.00", "mis (sobol) -1.50"})
+        self.assertEqual(texts, {"mis −1.00", "mis (sobol) −1.50"})
 
     def test_efficiency_is_over_error_and_time(self):
         cards, _ = cards_of(row(MIS, {"samples": 64}, 0.01, 1000.0), row(PATH, {"samples": 64}, 0.04, 500.0))
@@ -73,9 +74,32 @@ class Cards(unittest.TestCase):
         self.assertIn("How many bounces", cards)
         self.assertEqual(transport.depth(task.soft), {"closed_box, floor": [(b, 1 / b, 1.01 / b) for b in (1, 2, 5)]})
 
-    def test_labels_keep_their_distance(self):
-        ends = transport._spread([{"y": 1.0}, {"y": 1.01}, {"y": 5.0}])
-        self.assertEqual([e["at"] for e in ends], [1.0, 1.35, 5.0])
+    def test_what_samples_cannot_tell_is_left_out(self):
+        walls = [row(MIS, {"samples": 64, "bounces": b}, query_set="walls", dataset="closed_box", floor_bias=-d, floor_exact=-0.004,
+                     floor_error=0.006) for b, d in ((10, 0.013), (20, 0.0117))]  # fmt: skip
+        image = [row(MIS, {"samples": 64, "bounces": b}, bias=-d, bias_error=0.02) for b, d in ((2, 0.041), (3, 0.039))]
+        cards, task = cards_of(*walls, *image)
+        self.assertEqual(transport.depth(task.soft), {"closed_box, floor": [(10, 0.013, 0.004), (20, None, 0.004)],
+                                                      "cornell_box": [(2, 0.041, None), (3, None, None)]})  # fmt: skip
+        told = {(v["what"], v["x"]) for v in cards["How many bounces"].figures[0].chart.to_dict()["layer"][0]["data"]["values"]}
+        self.assertEqual(told, {("closed_box, floor", 10), ("cornell_box", 2)})
+
+    def test_ratios_stand_where_no_mark_follows(self):
+        slow, quick = row(MIS, {"samples": 64}, ns=64_000.0), row(EMBREE, {"samples": 64}, ns=32_000.0)
+        values = values_of(cards_of(slow, quick)[0]["Paths a second"].figures[0].chart)
+        self.assertEqual({v["method"]: v["label"] for v in values}, {"mis": "", "mis_embree": "0.5×"})
+
+    def test_labels_keep_their_distance_and_their_order(self):
+        values = [5.0, 1.0, 1.01, 1e-3]
+        places = charts.spread(values, [1e-4, 1e2], 300, 20)
+        gap = 20 / 300 * 6
+        self.assertAlmostEqual(log10(places[2] / places[1]), gap)
+        self.assertAlmostEqual(places[1] * places[2], 1.01)  # each moved as far as the other
+        self.assertEqual([round(places[k], 9) for k in (0, 3)], [5.0, 1e-3])
+        crowd = charts.spread([1.0] * 9, [0.5, 2], 300, 20)
+        logs = sorted(map(log10, crowd))
+        span = max(log10(2), logs[-1]) - min(log10(0.5), logs[0])
+        self.assertGreater(300 * min(b - a for a, b in zip(logs, logs[1:])) / span, 18)
 
 
 class Claims(unittest.TestCase):
