@@ -135,7 +135,7 @@ std::string as_text(const Dataset& dataset, const Diagnosis& d) {
                                       : "nowhere");
   else
     out += "no volume\n";
-  out += fmt::format("  {} components by edges", m.components);
+  out += fmt::format("  {} {} by edges", m.components, m.components == 1 ? "component" : "components");
   if (m.closed && m.oriented) out += fmt::format(", {} of them facing inward", m.inward_components);
   out += fmt::format("; {} boundary loops\n", m.boundary_loops);
   for (const Named& n : findings_of(m)) add_lines(out, dataset.mesh, n.text, n.finding);
@@ -153,7 +153,9 @@ std::string as_text(const Dataset& dataset, const Diagnosis& d) {
         "  OpenMesh's half-edges cannot hold this: it would copy {} vertices and leave out {} faces, and "
         "then have {} boundary edges\n",
         d.half_edges->copied_vertices, d.half_edges->lost_faces, d.half_edges->boundary_edges);
-  return out + (d.clean() ? "  clean\n" : "  not clean\n");
+  if (d.clean()) return out + "  clean\n";
+  const bool inverted = m.closed && m.oriented && m.volume < 0;
+  return out + (inverted ? "  not clean: the faces look inward\n" : "  not clean\n");
 }
 
 std::string as_json(const Dataset& dataset, const Diagnosis& d) {

@@ -244,7 +244,13 @@ class MeshChecker {
       const double volume = volumes_[part_[parts[i].faces[0]]];
       for (std::size_t k = 0; k < std::min(most_tries, parts[i].faces.size()); ++k) {
         const Triangle3d face(mesh_.triangle(parts[i].faces[k]));
-        const Vec3d at = (face.a + face.b + face.c) * (1.0 / 3);
+        // A little into what the part itself goes around: another part's face may lie flush.
+        constexpr double share = 0x1p-20;
+        const Vec3d normal = face.area_normal();
+        const double longest2 =
+            std::max({length2(face.b - face.a), length2(face.c - face.b), length2(face.a - face.c)});
+        if (!(length2(normal) > 0)) continue;
+        const Vec3d at = face.centroid() - normal * (std::copysign(share, volume) / std::sqrt(longest2));
         double winding = 0;
         for (std::size_t j = 0; j < parts.size(); ++j)
           if (j != i && Box<double, 3>{Vec3d(parts[j].box.low), Vec3d(parts[j].box.high)}.contains(at))

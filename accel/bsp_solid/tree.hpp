@@ -174,7 +174,7 @@ BspTree<Solid<Space>>::BspTree(const geometry::Mesh<T>& mesh, const SolidOptions
   if (v <= 0) throw NotASolid("solid: the mesh is inside out or has no volume: it is " + std::to_string(v));
   build(options);
   if constexpr (Space::is_exact)
-    if (!options.may_cross_itself) solid::check_parts(pieces_, source_, names_, adjacency);
+    if (!options.may_cross_itself) solid::check_parts(pieces_, source_, tree_.pieces, names_, adjacency);
 }
 
 template <class Space>

@@ -207,9 +207,17 @@ std::string format_busy(const std::vector<Row>& rows) {
 std::string format_advice(const Advice& advice, double tolerance, const std::string& again) {
   if (!advice.chosen) {
     std::string out = fmt::format("No method meets a tolerance of {:g} on every query set.\n", tolerance);
-    for (const Rung& rung : advice.rungs)
-      out += fmt::format("  {}: {}\n", rung_name(rung.rows.front()), rung.limit);
     for (const std::string& alone : advice.alone) out += fmt::format("  alone  {}\n", alone);
+    std::vector<const Rung*> nearest;
+    for (const Rung& rung : advice.rungs) nearest.push_back(&rung);
+    const auto error_of = [](const Rung* r) {
+      return worst(*r, &Errors::error).value_or(std::numeric_limits<double>::infinity());
+    };
+    std::ranges::stable_sort(nearest, {}, error_of);
+    constexpr std::size_t most = 8;
+    for (std::size_t i = 0; i < std::min(most, nearest.size()); ++i)
+      out += fmt::format("  {}: {}\n", rung_name(nearest[i]->rows.front()), nearest[i]->limit);
+    if (nearest.size() > most) out += fmt::format("  and {} more, farther off\n", nearest.size() - most);
     return out;
   }
   const Rung& rung = advice.rungs[*advice.chosen];

@@ -34,6 +34,9 @@ std::string format_line(const Rung& advised, const Rung* other, const char* what
   const Row& row = other->rows.front();
   const std::string name = row.method + (row.build_knobs.empty() ? "" : ", " + format_knobs(row.build_knobs));
   const std::string build = format_time_ns(*row.build_s * 1e9);
+  if (*queries < 1 && *row.build_s >= *build_s(advised))
+    return fmt::format("  few    {} builds no faster ({}: build {})\n",
+                       other->rows.front().family == "brute" ? what : "nothing measured", name, build);
   if (*queries < 1)
     return fmt::format("  few    not even for one query of each set does {}{} cost less ({}: build {})\n",
                        article, what, name, build);

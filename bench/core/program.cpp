@@ -244,6 +244,8 @@ int Program::run_advice() {
     const std::string input =
         input_ ? "--input " + shell_word(options_.input) : "--dataset " + specs[k].label();
     std::string own;
+    if (options_.context.profile != Profile::quick)
+      own += options_.context.profile == Profile::smoke ? " --profile smoke" : " --profile full";
     for (const auto& [flag, value] : options_.context.own) own += " " + flag + " " + shell_word(value);
     const std::string again = fmt::format("{} {}{} --seed {} --threads {} --benchmark_filter='%FILTER%'",
                                           shell_word(options_.program), input, own, options_.context.seed,

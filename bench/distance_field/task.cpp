@@ -1,6 +1,7 @@
 #include "bench/distance_field/task.hpp"
 
 #include <algorithm>
+#include <iostream>
 #include <stdexcept>
 
 #include "bench/core/all_threads.hpp"
@@ -37,6 +38,16 @@ geometry::Mesh3f before_damage(const std::string& name, std::size_t n, std::uint
   const std::size_t plus = name.find('+');
   if (plus == std::string::npos || name.ends_with("+inside_out") || name.ends_with("+nested")) return {};
   return datasets::generate(name.substr(0, plus), n, seed).mesh;
+}
+
+/// Whether a closed mesh goes around less than nothing.
+bool inside_out(const geometry::Mesh3f& mesh) {
+  double volume = 0;  // six times
+  for (std::size_t i = 0; i < mesh.size(); ++i) {
+    const geometry::Triangle3d t(mesh.triangle(i));
+    volume += dot(t.a, cross(t.b, t.c));
+  }
+  return volume < 0;
 }
 
 }  // namespace
@@ -97,6 +108,10 @@ std::unique_ptr<Block> DistanceFieldTask::open(datasets::Dataset dataset, const 
   if (dataset.kind != datasets::Kind::mesh || dataset.mesh.faces.empty())
     throw std::invalid_argument("'" + dataset.name +
                                 "' has no triangles; the task distance_field needs a mesh of triangles");
+  if (!dataset.closed)
+    std::cerr << dataset.name << ": not closed: distances are judged, on which side they are is not\n";
+  else if (inside_out(dataset.mesh))
+    std::cerr << dataset.name << ": inside out: nothing is inside; turn its faces around\n";
   BlockInput input;
   input.dataset = std::move(dataset);
   input.seed = context.seed, input.threads = all_threads();

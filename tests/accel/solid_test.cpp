@@ -372,6 +372,32 @@ TEST(SolidCrossings, AreRefused) {
   EXPECT_NO_THROW(Tree(together(box, box_mesh({0.75, 0.25, 0.25}, {1.75, 1.25, 1.25})), options));
 }
 
+// Boxes on a grid: the faces of those that overlap often meet along edges or lie flush, and do not cross.
+TEST(SolidCrossings, OverlappingBoxesAreRefusedTouchingOnesAreNot) {
+  Pcg32 random(5);
+  const auto some = [&] {
+    Vec3d low, high;
+    for (int a = 0; a < 3; ++a) {
+      low[a] = random.below(5), high[a] = low[a] + 1 + random.below(4);
+    }
+    return geometry::Box3d{low, high};
+  };
+  int overlapping = 0, apart = 0;
+  for (int i = 0; i < 150; ++i) {
+    const geometry::Box3d a = some(), b = some();
+    bool overlap = true;
+    for (int k = 0; k < 3; ++k) overlap = overlap && a.low[k] < b.high[k] && b.low[k] < a.high[k];
+    const Mesh3d both = together(box_mesh(a.low, a.high), box_mesh(b.low, b.high));
+    ++(overlap ? overlapping : apart);
+    if (overlap)
+      EXPECT_TRUE(all_refuse(both, "solid: ")) << i;
+    else
+      EXPECT_NO_THROW(Tree{both}) << i;
+  }
+  EXPECT_GT(overlapping, 25);
+  EXPECT_GT(apart, 100);
+}
+
 TEST(SolidCrossings, TouchingIsNone) {
   const Mesh3d box = box_mesh({0, 0, 0}, {1, 1, 1});
   // In a face, in part of one, at an edge, at a corner, and a corner on a face.

@@ -64,6 +64,22 @@ TEST(MeshCheck, FindsPartsThatLookTheWrongWay) {
   EXPECT_EQ(misnested(joined(joined(outward, small(inward)), tiny(outward))), 0u);
   EXPECT_EQ(misnested(joined(outward, aside(outward))), 0u);
   EXPECT_EQ(misnested(joined(outward, aside(inward))), 1u);
+  // Boxes that touch, and one flush in another, whichever face comes first.
+  const auto box = [](const geometry::Vec3f& low, const geometry::Vec3f& high, std::size_t first) {
+    Mesh3f m;
+    for (std::uint32_t i = 0; i < 8; ++i)
+      m.vertices.push_back({i & 1 ? high[0] : low[0], i & 2 ? high[1] : low[1], i & 4 ? high[2] : low[2]});
+    m.faces = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+               {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    std::ranges::rotate(m.faces, m.faces.begin() + static_cast<std::ptrdiff_t>(first));
+    return m;
+  };
+  for (std::size_t i = 0; i < 12; ++i) {
+    const Mesh3f below = box({0, 0, 0}, {4, 4, 4}, 0);
+    EXPECT_EQ(misnested(joined(below, box({1, 1, 4}, {3, 3, 6}, i))), 0u) << i;
+    EXPECT_EQ(misnested(joined(box({1, 1, 4}, {3, 3, 6}, i), below)), 0u) << i;
+    EXPECT_GE(misnested(joined(below, box({1, 1, 0}, {3, 3, 1}, i))), 1u) << i;
+  }
   const MeshCheck both = check_mesh(joined(outward, small(outward)));
   EXPECT_EQ(both.misnested_components.count, 1u);
   EXPECT_EQ(both.misnested_components.first.at(0).faces, std::vector<std::uint32_t>{128});
