@@ -5,9 +5,10 @@
 // passes the others on, cut where they cross it. A side that nothing is left for is a leaf: behind its faces
 // it is inside the solid, in front outside. That needs a surface that does not cross itself: faces that run
 // through each other are refused, exactly, as they meet; pairs that meet along a line in the plane of a third
-// that is taken first, along edges, or flush, are left to parts.hpp. Planes across an axis are taken only where both sides have
-// pieces, so that a face always tells. Sources: Fuchs, Kedem and Naylor 1980; Thibault and Naylor 1987. Sets
-// wait on a stack of their own: no depth overflows the machine's. Cost: O(pieces · depth).
+// that is taken first, along edges, or flush, are left to parts.hpp. Planes across an axis are taken only
+// where both sides have pieces, so that a face always tells. Sources: Fuchs, Kedem and Naylor 1980; Thibault
+// and Naylor 1987. Sets wait on a stack of their own: no depth overflows the machine's. Cost: O(pieces ·
+// depth).
 #pragma once
 
 #include "accel/bsp_solid/choose_plane.hpp"

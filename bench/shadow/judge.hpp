@@ -14,9 +14,9 @@ inline constexpr float share_slack = 1e-5f;
 
 /// error: the root of the mean square; mean: of the absolute; bias: signed, positive where too light. In
 /// extra, shadow_max and shadow_p99 (of the absolute), _penumbra (RMSE where the truth is between, null
-/// without any), _penumbra_share, _false_lit, _false_dark and _wrong (shares of receivers that are much too light,
-/// dark, or either). A share that is not a number, or not in [0, 1] but for share_slack, is wrong whatever the claim; it
-/// counts as the worst there is.
+/// without any), _penumbra_share, _false_lit, _false_dark and _wrong (shares of receivers that are much too
+/// light, dark, or either). A share that is not a number, or not in [0, 1] but for share_slack, is wrong
+/// whatever the claim; it counts as the worst there is.
 Errors judged(std::span<const float> answers, std::span<const double> truth, double floor);
 
 }  // namespace treeline::bench::shadow
