@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "datasets_gen/recipe_table.hpp"
 #include "datasets_gen/scenes/parts.hpp"
 
 namespace treeline::datasets {
@@ -50,21 +51,10 @@ const std::vector<Entry>& table() {
 
 constexpr std::size_t least_n = 12, largest_n = 10'000'000;
 
-/// Null if there is none.
-const Entry* entry_of(std::string_view name) {
-  for (const Entry& e : table())
-    if (names(name, e.recipe)) return &e;
-  return nullptr;
-}
-
 }  // namespace
 
 std::span<const KnobRecipe> scene_recipes() {
-  static const std::vector<KnobRecipe> list = [] {
-    std::vector<KnobRecipe> r;
-    for (const Entry& e : table()) r.push_back(e.recipe);
-    return r;
-  }();
+  static const std::vector<KnobRecipe> list = recipes_in(table());
   return list;
 }
 
@@ -74,22 +64,17 @@ std::vector<std::string> scene_names() {
   return names;
 }
 
-bool is_scene(std::string_view name) { return entry_of(name) != nullptr; }
+bool is_scene(std::string_view name) { return find_entry(table(), name) != nullptr; }
 
 shading::Scene make_scene(std::string_view name, std::size_t n, std::uint64_t seed,
                           const Progress& progress) {
-  const Entry* const entry = entry_of(name);
-  if (!entry) {
-    std::string known;
-    for (const Entry& e : table()) known += (known.empty() ? "" : ", ") + e.recipe.name;
-    throw std::invalid_argument("no scene is called '" + std::string(name) + "'; known: " + known);
-  }
+  const Entry& entry = entry_called(table(), "scene", name);
   if (n < least_n || n > largest_n)
     throw std::invalid_argument("n = " + std::to_string(n) + " is out of range: scenes have " +
                                 std::to_string(least_n) + " to " + std::to_string(largest_n) + " triangles");
   Ticker ticker(progress);
   const Job job{n, seed, ticker};
-  shading::Scene scene = entry->make({job, read_knobs("scene", name, entry->recipe)});
+  shading::Scene scene = entry.make({job, read_knobs("scene", name, entry.recipe)});
   scene.name = name;
   return scene;
 }

@@ -2,6 +2,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "datasets_gen/recipe_table.hpp"
 #include "datasets_gen/surfaces/surface.hpp"
 
 namespace treeline::datasets {
@@ -118,33 +119,18 @@ const std::vector<Entry>& table() {
   return entries;
 }
 
-const Entry* entry_of(std::string_view name) {
-  for (const Entry& e : table())
-    if (names(name, e.recipe)) return &e;
-  return nullptr;
-}
-
 }  // namespace
 
 std::span<const KnobRecipe> surface_recipes() {
-  static const std::vector<KnobRecipe> list = [] {
-    std::vector<KnobRecipe> r;
-    for (const Entry& e : table()) r.push_back(e.recipe);
-    return r;
-  }();
+  static const std::vector<KnobRecipe> list = recipes_in(table());
   return list;
 }
 
-bool is_surface(std::string_view name) { return entry_of(name) != nullptr; }
+bool is_surface(std::string_view name) { return find_entry(table(), name) != nullptr; }
 
 shading::Material make_surface(std::string_view name) {
-  const Entry* const entry = entry_of(name);
-  if (!entry) {
-    std::string known;
-    for (const Entry& e : table()) known += (known.empty() ? "" : ", ") + e.recipe.name;
-    throw std::invalid_argument("no surface is called '" + std::string(name) + "'; known: " + known);
-  }
-  shading::Material material = entry->make(read_knobs("surface", name, entry->recipe));
+  const Entry& entry = entry_called(table(), "surface", name);
+  shading::Material material = entry.make(read_knobs("surface", name, entry.recipe));
   material.name = name;
   return material;
 }
