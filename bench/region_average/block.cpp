@@ -7,6 +7,7 @@
 
 #include "bench/core/refusal.hpp"
 #include "bench/core/tally.hpp"
+#include "bench/region_average/figures.hpp"
 #include "bench/region_average/truth.hpp"
 #include "geometry/tolerances.hpp"
 #include "shading/texture/summed_area.hpp"
@@ -99,6 +100,7 @@ class TextureBlock final : public Block {
       Errors e =
           judge(methods_[m], answers.means, input_.sets[set].footprints, input_.sets[set].boxes, truth(set));
       if (input_.moments) variances(answers.means, truth(set), e);
+      if (input_.independent && methods_[m].info.name == "sat_float") note_figure(input_.sets[set], e);
       e.extra.update(answers.averager()->facts());
       return e;
     }
@@ -186,6 +188,15 @@ class TextureBlock final : public Block {
     }
     e.extra["region_average_variance_error"] = worst;
     e.extra["region_average_negative_variances"] = double(negative) / (0.5 * double(truth.size()));
+  }
+
+  void note_figure(const FootprintSet& set, Errors& e) const {
+    const double scale = facts_.range > 0 ? facts_.range : 1;
+    const auto figure = rounding_of_sums(set.footprints, facts_.absolute_sum / double(n()));
+    if (!figure) return;
+    e.extra["region_average_figure"] = "error";
+    e.extra["region_average_figure_value"] = figure->value / scale;
+    e.extra["region_average_figure_slack"] = figure->slack / scale;
   }
 
   static std::string place(const Footprint& f) {

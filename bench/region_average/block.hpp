@@ -14,6 +14,7 @@ struct BlockInput {
   bool quick = false;        // time is short
   bool must_answer = false;  // a refusal is wrong
   bool moments = false;      // channels are z and z²: variances are judged, too
+  bool independent = false;  // texels are of each other, and none is negative: theory knows what sums lose
 };
 
 /// Methods must outlive the block. Throws std::invalid_argument for an image without pixels or with more than

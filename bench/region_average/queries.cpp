@@ -72,6 +72,12 @@ std::vector<FootprintSet> make_sets(int width, int height, std::size_t each, std
   return sets;
 }
 
+std::vector<FootprintSet> make_whole_sets(int width, int height, std::size_t each, std::uint64_t seed) {
+  auto sets = make_sets(width, height, each, seed);
+  std::erase_if(sets, [](const FootprintSet& s) { return s.name != "texel" && s.name != "aligned16"; });
+  return sets;
+}
+
 std::vector<FootprintSet> make_hard_sets(int width, int height, std::size_t each, std::uint64_t seed) {
   std::vector<FootprintSet> sets{{"boxes", {}}, {"outside", {}}, {"points", {}}, {"shapes", {}, false}};
   Pcg32 random(seed, 60);

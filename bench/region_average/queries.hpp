@@ -18,6 +18,8 @@ struct FootprintSet {
 
 /// `each` footprints a set, inside of the texture where they fit; the last set is "build".
 std::vector<FootprintSet> make_sets(int width, int height, std::size_t each, std::uint64_t seed);
+/// Of whole texels alone: single ones and squares of 16².
+std::vector<FootprintSet> make_whole_sets(int width, int height, std::size_t each, std::uint64_t seed);
 /// For hard cases: boxes of all kinds, boxes that reach or lie outside, points and lines, other shapes.
 std::vector<FootprintSet> make_hard_sets(int width, int height, std::size_t each, std::uint64_t seed);
 

@@ -55,8 +55,11 @@ std::unique_ptr<Block> RegionAverageTask::open(const BlockSpec& spec, const RunC
     BlockInput input;
     Image& image = input.dataset.image = c.make();
     input.sets = make_hard_sets(image.width, image.height, 400, context.seed);
+    if (c.independent)
+      for (FootprintSet& set : make_whole_sets(image.width, image.height, 4096, context.seed))
+        input.sets.push_back(std::move(set));
     input.must_answer = c.expect == datasets::Expect::answers;
-    input.moments = c.moments;
+    input.moments = c.moments, input.independent = c.independent;
     input.dataset.name = c.name, input.dataset.kind = datasets::Kind::image,
     input.dataset.seed = context.seed;
     input.threads = 1;  // hard cases run in children of a fork: no thread pool here
@@ -83,6 +86,7 @@ std::unique_ptr<Block> RegionAverageTask::open(datasets::Dataset dataset, const 
                   [](const FootprintSet& s) { return s.name != "square24" && s.name != "build"; });
     for (FootprintSet& s : input.sets) s.name += "_threads";
   }
+  input.independent = dataset.name == "noise";
   input.dataset = std::move(dataset);
   input.threads = all_threads();
   input.quick = context.profile == Profile::quick;

@@ -6,7 +6,8 @@ from pathlib import Path
 import vl_convert
 from jinja2 import Environment
 
-from bench.report import busy, charts, closest, inside, ledger, model, pieces, rays, series, shadows, surfaces, transport, winners
+from bench.report import (busy, charts, closest, inside, ledger, model, pieces, rays, series, shadows, surfaces, theory, transport,
+                          winners)  # fmt: skip
 from bench.report.pieces import esc
 from bench.report.units import count
 
@@ -23,7 +24,7 @@ def build(rows, pictures, title="Treeline: speed against accuracy"):
     for task in models:
         cards = [*series.cards(task, numbers), *inside.cards(task, numbers), *closest.cards(task, numbers),
                  *shadows.cards(task, numbers), *surfaces.cards(task, numbers),
-                 *transport.cards(task, numbers)]
+                 *transport.cards(task, numbers), *theory.cards(task, numbers)]
         listed = list(model.chart_list(task))
         for name, kind, dataset, chart in listed:
             entry = {"id": name, "kind": kind, "task": task.name, "dataset": dataset, "spec": charts.theme(chart).to_dict()}

@@ -1,11 +1,9 @@
-"""What only the task shadow shows: how its methods stand against rays of a given number, how the error falls with a knob,
-and what theory says of scenes that were made to break a method."""
+"""What only the task shadow shows: how its methods stand against rays of a given number, and how wide they make a penumbra."""
 
 from math import sqrt
 
 from bench.report import charts
 from bench.report.palette import INK
-from bench.report.rows import knob_text
 from bench.report.series import Card, Figure
 from bench.report.units import several
 
@@ -23,23 +21,11 @@ EXPECTED = "what {rays} scrambled Sobol points leave on an edge that lies anywhe
 WIDTH = """The width of a penumbra, from 10 to 90 % of the light, over the true one, on a straight edge: how wide each method makes
 it. 1 is right; a hard shadow has none and stands at the left edge."""
 
-FIGURES = """Scenes made so that theory says what a method gets wrong, or how wide it makes a penumbra: what its row says against
-what it should. On the line they agree; what is off it is a mistake of ours or of the theory. A mark's tooltip names its scene
-and knobs. {words}"""
-NAMES = {
-    "shadow_false_dark": ("False shadow", "share of a tilted plane that shadows itself under too little bias"),
-    "shadow_gap": ("Gap", "length of shadow that a bias takes from a wall's foot, metres"),
-    "shadow_max": ("Leak", "most light that passes stacked blockers through two or four moments"),
-    "shadow_width": ("Penumbra", "its width, from 10 to 90 % of the light, under a filter of a given size, metres"),
-    "shadow_levels": ("Levels", "different answers that a filter of so many taps has"),
-    "shadow_wrong": ("Off by one", "share of the picture that counts from inside a shadow get wrong"),
-}
-
 
 def cards(task, numbers, width="container"):
     if task.name != "shadow":
         return []
-    made = (_beside_rays(task, numbers, width), _widths(task, numbers, width), _figures(task, width))
+    made = (_beside_rays(task, numbers, width), _widths(task, numbers, width))
     return [card for card in made if card.figures]
 
 
@@ -141,45 +127,6 @@ def _width_chart(values, looks, width):
         x=alt.X("x:Q", scale=scale))  # fmt: skip
     dots = charts._points(alt.Chart(alt.Data(values=values)), looks, False).encode(x=x, y=y)
     return alt.layer(one, dots).add_params(charts._pick_param()).properties(width=width, height=alt.Step(15))
-
-
-# ---- figures of theory -----------------------------------------------------------------------------------------------
-
-
-def told(rows):
-    """[(row, field, what it is, what it should be)] of the rows that theory says something of."""
-    found = []
-    for r in rows:
-        field, value = r.extra.get("shadow_figure"), r.extra.get("shadow_figure_value")
-        if field and value is not None and r.extra.get(field) is not None:
-            found.append((r, field, r.extra[field], value))
-    return found
-
-
-def _figures(task, width):
-    by_field = {}
-    for row, field, is_, should in told(task.rows):
-        by_field.setdefault(field, []).append({"is": is_, "should": should, "label": ", ".join(
-            (row.dataset, row.method, knob_text(row.build_knobs), knob_text(row.query_knobs)))})  # fmt: skip
-    figures, words = [], []
-    for field in [f for f in NAMES if f in by_field] + [f for f in by_field if f not in NAMES]:
-        name, what = NAMES.get(field, (field, field))
-        words.append(f"{name}: {what}.")
-        title = f"{name} ({len(by_field[field])} rows)"
-        figures.append(Figure(f"{task.name}-theory-{field}", title, "", _theory_chart(by_field[field], width)))
-    return Card(f"{task.name}-card-theory", "What theory says", FIGURES.format(words=" ".join(words)), figures)
-
-
-def _theory_chart(values, width):
-    most = max(max(v["is"], v["should"]) for v in values) or 1
-    scale = alt.Scale(domain=[0, most], nice=True)
-    base = alt.Chart(alt.Data(values=values))
-    x = alt.X("should:Q", scale=scale, axis=alt.Axis(title="what theory says", gridOpacity=0.5))
-    y = alt.Y("is:Q", scale=scale, axis=alt.Axis(title="measured", gridOpacity=0.5))
-    same = alt.Chart(alt.Data(values=[{"should": 0, "is": 0}, {"should": most, "is": most}])).mark_line(
-        color=INK, strokeDash=[3, 3], opacity=0.6).encode(x=x, y=y)  # fmt: skip
-    dots = base.mark_point(filled=True, size=40, opacity=0.7, color="#0072B2").encode(x=x, y=y, tooltip=alt.Tooltip("label:N"))
-    return alt.layer(same, dots).properties(width=width, height=220)
 
 
 def rms(values):

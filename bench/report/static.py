@@ -6,7 +6,7 @@ from pathlib import Path
 import altair as alt
 import vl_convert
 
-from bench.report import charts, closest, inside, rays, series, shadows, stability, surfaces, transport
+from bench.report import charts, closest, inside, rays, series, shadows, stability, surfaces, theory, transport
 from bench.report.layout import lane_notes
 from bench.report.model import bytes_title, points
 from bench.report.units import count, several
@@ -61,7 +61,7 @@ def _charts(task):
     numbers = {id(r): i for i, r in enumerate((*task.soft, *task.scaling))}
     for card in (*series.cards(task, numbers, 460, True), *inside.cards(task, numbers, 460), *closest.cards(task, numbers, 460),
                  *shadows.cards(task, numbers, 460), *surfaces.cards(task, numbers, 460),
-                 *transport.cards(task, numbers, 460)):
+                 *transport.cards(task, numbers, 460), *theory.cards(task, numbers, 460)):
         for figure in card.figures:
             yield _file_name(figure.name), figure.chart.properties(title=figure.title)
     cases, columns, cells = stability.matrix(task.rows, task.looks)

@@ -259,10 +259,11 @@ Errors ShadowBlock::check(std::size_t m, const Subject& subject, std::size_t que
     }
   if (set.what == What::image) e.extra["shadow_split"] = split();
   if (set.line) note_line(*set.line, made, truth, e.extra);
-  if (const auto figure = figure_of(input_.scene, query_sets_[query_set].name, methods_[m].info.name,
-                                    made.build_knobs(), query_knobs)) {
+  if (const auto figure = figure_of(input_.scene, query_sets_[query_set].name, set.receivers,
+                                    methods_[m].info.name, made.build_knobs(), query_knobs)) {
     e.extra["shadow_figure"] = figure->field, e.extra["shadow_figure_value"] = figure->value;
     e.extra["shadow_figure_bias"] = number(figure->bias);
+    e.extra["shadow_figure_slack"] = number(figure->slack);
   }
   e.extra.update(made.facts());
   return e;

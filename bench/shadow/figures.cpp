@@ -5,7 +5,10 @@
 #include <numbers>
 
 #include "datasets_gen/hard/hard_shadows.hpp"
+#include "geometry/tolerances.hpp"
 #include "shading/shadow/light_view.hpp"
+#include "shading/shadow/second_depth.hpp"
+#include "shading/shadow/taps.hpp"
 
 namespace treeline::bench::shadow {
 namespace {
@@ -13,30 +16,91 @@ namespace {
 using datasets::is_scene_of;
 using datasets::scene_knobs;
 
-constexpr double degree = std::numbers::pi / 180;
-
 shading::shadow::LightView view_of(const shading::Scene& scene) {
   const auto box = scene.mesh.box();
   return shading::shadow::fit_view(scene.light, {geometry::Vec3d(box.low), geometry::Vec3d(box.high)});
 }
 
+/// Of receivers on one plane under a directional light, in a map of n² texels: how the plane's depth changes
+/// from one texel to the next, and how much deeper each receiver is than the plane at its texel's centre. x
+/// and y are even in [−½, ½] texels where receivers are many and in no step with the texels, and so the
+/// latter is a sum of two even variables.
+class PlaneInTexels {
+ public:
+  PlaneInTexels(const shading::shadow::LightView& view, int n, std::span<const Receiver> receivers)
+      : range_(view.far - view.near) {
+    const auto& normal = receivers.front().normal;
+    const double per_depth = -1 / dot(normal, view.forward);
+    const double x = dot(normal, view.right) * view.texel_width(n, 1) * per_depth,
+                 y = dot(normal, view.down) * view.texel_height(n, 1) * per_depth;
+    for (const Receiver& r : receivers) {
+      const auto at = view.place(r.position);
+      const auto beside_centre = [n](double share) { return share * n - std::floor(share * n) - 0.5; };
+      beyond_.push_back(x * beside_centre(at.x) + y * beside_centre(at.y));
+    }
+    std::ranges::sort(beyond_);
+    wide_ = 0.5 * std::max(std::abs(x), std::abs(y)), narrow_ = 0.5 * std::min(std::abs(x), std::abs(y));
+  }
+
+  double most() const { return wide_ + narrow_; }                 ///< that a receiver may be deeper
+  double rise() const { return 2 * std::hypot(wide_, narrow_); }  ///< s tan θ
+  /// The share that is deeper by more than b, if even.
+  double deeper(double b) const {
+    if (b < 0) return 1 - deeper(-b);
+    if (b >= most()) return 0;
+    if (b <= wide_ - narrow_) return 0.5 - b / (2 * wide_);
+    return (most() - b) * (most() - b) / (8 * wide_ * narrow_);
+  }
+  /// False shadow under a bias b: what is deeper by more than that, and than what is allowed for rounding.
+  Figure acne(double b) const {
+    const double allowed = geometry::tolerance::shadow_depth_slack * (range_ + most());
+    return {"shadow_false_dark", deeper(b + allowed), b, unevenness() + allowed / (2 * wide_)};
+  }
+
+ private:
+  /// The most by which any share of these receivers differs from that of even ones (Kolmogorov's distance).
+  double unevenness() const {
+    double most = 0;
+    const auto n = double(beyond_.size());
+    for (std::size_t i = 0; i < beyond_.size(); ++i) {
+      const double even = 1 - deeper(beyond_[i]);
+      most = std::max({most, even - double(i) / n, double(i + 1) / n - even});
+    }
+    return most;
+  }
+
+  double range_, wide_, narrow_;  // half of what the depth changes by, along the steeper axis and the other
+  std::vector<double> beyond_;
+};
+
 /// A texel's depth is that at its centre; a receiver of the same plane is deeper by s tan θ (x cos φ + y sin
-/// φ), x and y even in [−½, ½] texels. The share of them with more than the bias b is in false shadow: along
-/// an axis max(0, ½ − b/(s tan θ)), along the diagonal max(0, 1 − b √2/(s tan θ))²/2.
-std::optional<Figure> acne(const shading::Scene& scene, const Knobs& build, const Knobs& query) {
-  const auto knobs = scene_knobs(scene.name, "tilted_plane");
-  const bool diagonal = knobs[1] == 45;
-  if (!diagonal && knobs[1] != 0) return std::nullopt;
+/// φ). The share of them with more than the bias b is in false shadow: along an axis max(0, ½ − b/(s tan θ)),
+/// along the diagonal max(0, 1 − b √2/(s tan θ))²/2.
+Figure acne(const shading::Scene& scene, std::span<const Receiver> receivers, const Knobs& build,
+            const Knobs& query) {
   const auto view = view_of(scene);
-  const double s = view.texel_width(build.at("resolution").get<int>(), 1);
-  const double rise = s * std::tan(knobs[0] * degree);
+  const PlaneInTexels plane(view, build.at("resolution").get<int>(), receivers);
   double b = query.value("constant", 0.0) * (view.far - view.near);
-  b += query.value("bias", 0.0) * 0.5 * rise * (diagonal ? std::numbers::sqrt2 : 1);
-  b += query.value("offset", 0.0) * rise;
-  if (query.value("plane", false)) b = rise;
-  if (!diagonal) return Figure{"shadow_false_dark", std::max(0.0, 0.5 - b / rise), b};
-  const double left = std::max(0.0, 1 - b * std::numbers::sqrt2 / rise);
-  return Figure{"shadow_false_dark", 0.5 * left * left, b};
+  b += query.value("bias", 0.0) * plane.most();
+  b += query.value("offset", 0.0) * plane.rise();
+  if (query.value("plane", false)) b = plane.most();
+  return plane.acne(b);
+}
+
+/// A slab of thickness T along the light puts its midpoint T/2 below its top, and its second depth T: as much
+/// as a bias that its top has besides. Woo's max(0, ½ − T/(2 s tan θ)), where the slope is along an axis.
+std::optional<Figure> acne_of_slab(const shading::Scene& scene, std::span<const Receiver> receivers,
+                                   const std::string& method, const Knobs& build, const Knobs& query) {
+  if (query.at("radius") != 0) return std::nullopt;
+  const auto view = view_of(scene);
+  const double thickness = scene_knobs(scene.name, "slab_and_sheet")[0];
+  const double along_light = thickness / -dot(view.forward, receivers.front().normal);
+  const PlaneInTexels plane(view, build.at("resolution").get<int>(), receivers);
+  const double most = shading::shadow::SecondDepthOptions{}.most * (view.far - view.near);
+  const double beneath = method == "second_depth" ? along_light
+                         : method == "dual_depth" ? std::min(0.5 * along_light, most)
+                                                  : 0.5 * along_light;
+  return plane.acne(beneath + query.value("bias", 0.0) * plane.most());
 }
 
 /// A bias b along the light lifts the receiver by b, and so over the wall if it is nearer to its foot than b
@@ -102,8 +166,8 @@ Figure leak_of_three(const shading::Scene& scene, const std::string& method, con
 
 /// Across an edge that runs along the columns of a map a square filter of n = 2 radius + 1 texels is a ramp n
 /// texels wide, of which 80 % lie between; unless it is smooth, a stair of n steps, and so of n + 1 levels.
-/// The filter of blockers' depths makes the ramp as wide as the light is seen over the edge. Few fixed taps
-/// are as many steps.
+/// The filter of blockers' depths makes the ramp as wide as the light is seen over the edge. Few taps are as
+/// many steps, of those that pass the edge while the line lasts: it runs through a corner of four texels.
 std::optional<Figure> penumbra(const shading::Scene& scene, const std::string& method, const Knobs& build,
                                const Knobs& query) {
   const auto knobs = scene_knobs(scene.name, "half_plane_edge");
@@ -111,19 +175,25 @@ std::optional<Figure> penumbra(const shading::Scene& scene, const std::string& m
   // Along the line, which is a little askew.
   const double askew = distance(line.from, line.to) / std::abs(line.to[0] - line.from[0]);
   const auto view = view_of(scene);
+  const double texel =
+      view.texel_width(build.at("resolution").get<int>(), dot(line.from - view.origin, view.forward));
   if (method == "pcss") {
     if (query.contains("width") || query.value("taps", 0) < 64) return std::nullopt;
     return Figure{"shadow_width", 0.8 * knobs[1] * knobs[0] / (4 - knobs[0]) * askew};
   }
   if (method == "pcf_disc") {
-    const int taps = query.at("taps").get<int>();
-    if (taps > 2 * query.at("radius").get<int>()) return std::nullopt;  // some share a column of texels
-    return Figure{"shadow_levels", taps + 1.0};
+    const int taps = query.at("taps").get<int>(), radius = query.at("radius").get<int>();
+    if (taps > 2 * radius) return std::nullopt;  // some share a column of texels
+    const double reach = std::abs(line.to[0]) / texel;
+    if (reach >= radius) return Figure{"shadow_levels", taps + 1.0};
+    if (query.value("turned", true)) return std::nullopt;  // each receiver's reach farther, or do not
+    const auto set = shading::shadow::taps(shading::shadow::TapPattern::spiral, taps);
+    // The floor's x runs along the map's columns.
+    const auto passes = [&](const shading::shadow::Tap& t) { return std::abs(t.y * radius) < reach; };
+    return Figure{"shadow_levels", 1.0 + double(std::ranges::count_if(set, passes))};
   }
   const int n = 2 * query.at("radius").get<int>() + 1;
   if (!query.at("smooth").get<bool>()) return Figure{"shadow_levels", n + 1.0};
-  const double texel =
-      view.texel_width(build.at("resolution").get<int>(), dot(line.from - view.origin, view.forward));
   return Figure{"shadow_width", 0.8 * n * texel * askew};
 }
 
@@ -134,9 +204,15 @@ Figure inside_volume() { return {"shadow_wrong", 1}; }
 }  // namespace
 
 std::optional<Figure> figure_of(const shading::Scene& scene, const std::string& set,
-                                const std::string& method, const Knobs& build, const Knobs& query) {
+                                std::span<const Receiver> receivers, const std::string& method,
+                                const Knobs& build, const Knobs& query) {
   if (is_scene_of(scene.name, "tilted_plane") && set == "image" && method == "shadow_map")
-    return acne(scene, build, query);
+    return acne(scene, receivers, build, query);
+  if (is_scene_of(scene.name, "slab_and_sheet") && set == "top") {
+    if (method == "shadow_map") return acne(scene, receivers, build, query);
+    if (method == "midpoint" || method == "dual_depth" || method == "second_depth")
+      return acne_of_slab(scene, receivers, method, build, query);
+  }
   if (is_scene_of(scene.name, "wall_on_floor") && set == "contact" && method == "shadow_map")
     return gap(scene, build, query);
   if (set == "leak" && (method == "vsm" || method == "msm") && build.value("radius", 0) >= 1 &&

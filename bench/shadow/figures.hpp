@@ -1,14 +1,16 @@
 // What theory says that a method is off by in a scene made for it: one field of the row, as a number.
 //
 // Rows carry both (shadow_figure names the field, shadow_figure_value is what it should be,
-// shadow_figure_bias the bias), tests hold them against each other. Derivations stand at each figure in
-// figures.cpp.
+// shadow_figure_bias the bias, shadow_figure_slack how far off it may be), tests hold them against each
+// other. Derivations stand at each figure in figures.cpp.
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 
 #include "bench/core/row.hpp"
+#include "bench/shadow/method.hpp"
 #include "shading/scene.hpp"
 
 namespace treeline::bench::shadow {
@@ -17,10 +19,12 @@ struct Figure {
   std::string field;
   double value;
   std::optional<double> bias{};  ///< that the method had, in lengths of the scene along the light
+  std::optional<double>
+      slack{};  ///< what these receivers may leave of it, being finitely many; by derivation
 };
 
 std::optional<Figure> figure_of(const shading::Scene&, const std::string& query_set,
-                                const std::string& method, const Knobs& build_knobs,
-                                const Knobs& query_knobs);
+                                std::span<const Receiver>, const std::string& method,
+                                const Knobs& build_knobs, const Knobs& query_knobs);
 
 }  // namespace treeline::bench::shadow

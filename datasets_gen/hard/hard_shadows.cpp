@@ -181,6 +181,10 @@ KnownShadows known_shadows(const std::string& scene) {
     const double half = 0.5 * scene_knobs(scene, "wall_on_floor")[0];
     k.lines.push_back({"contact", {half + behind_foot, 0, 0}, {half + 0.5, 0, 0.1}});
   }
+  if (is_scene_of(scene, "slab_and_sheet")) {
+    const double top = 1 + scene_knobs(scene, "slab_and_sheet")[0];
+    k.lines.push_back({"top", {-2.05, top, -0.85}, {-0.45, top, 0.85}});
+  }
   if (is_scene_of(scene, "two_stacked")) k.lines.push_back({"leak", {-1.5, 0, 0.1}, {0.9, 0, -0.1}});
   if (is_scene_of(scene, "three_layers")) k.lines.push_back({"leak", {-1, 0, -0.9}, {1, 0, 0.9}});
   return k;

@@ -26,7 +26,7 @@ struct Blockers {
 /// Receivers on a straight line, evenly spread from one end to the other, both included.
 struct ReceiverLine {
   /// edge: across a penumbra, from dark to lit; contact: from the foot of a blocker into its shadow; leak: in
-  /// full shadow, where edges of blockers lie above.
+  /// full shadow, where edges of blockers lie above; top: in full light, on a caster.
   std::string name;
   geometry::Vec3d from, to, normal{0, 1, 0};
   std::size_t count = 2001;

@@ -13,6 +13,7 @@ struct HardTexture {
   std::string source, law;
   Expect expect = Expect::answers;
   bool moments = false;                  // channels are z and z²: variances are asked for, too
+  bool independent = false;              // each texel of all others, of a positive mean
   std::function<shading::Image()> make;  // each time the same; they are large
 };
 

@@ -51,8 +51,11 @@ Scene tilted_plane(const SceneJob& j) {
   const Vec3d corner = at(-1, -1);
   parts.sheet(corner, sum(at(-1, 1), scaled(corner, -1)), sum(at(1, -1), scaled(corner, -1)), j.job.n);
   Scene r = scene(std::move(parts), sun({0, -1, 0}), scaled(normal, 4), {}, 0.4);
-  // Along the plane's level lines, so that it is never the line of sight.
-  r.camera.up = {-phi.sin, 0, phi.cos};
+  // Along the plane's level lines, so that it is never the line of sight, and then turned a little: or all
+  // pixels of a column would lie alike in their texels, and few columns would stand for the whole plane.
+  const Vec3d level{-phi.sin, 0, phi.cos}, down{normal[1] * phi.cos, -theta.sin, normal[1] * phi.sin};
+  const SinCos turn = sincos_turns(1.0 / 32);
+  r.camera.up = sum(scaled(level, turn.cos), scaled(down, turn.sin));
   return r;
 }
 

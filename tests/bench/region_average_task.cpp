@@ -197,6 +197,40 @@ TEST(RegionAverageTask, FaultsAreFound) {
   EXPECT_EQ(sets_found_wrong<Fault::stale>(false), (std::set<std::string>{"build"}));
 }
 
+/// What the program exits with, and its rows.
+std::pair<int, std::vector<nlohmann::json>> run_program(const std::string& arguments) {
+  const auto rows = std::filesystem::temp_directory_path() / "treeline_region_average_rows";
+  std::filesystem::remove(rows);
+  const std::string command = std::string(REGION_AVERAGE_TEST_PROGRAM) + " " + arguments + " --rows " +
+                              rows.string() + " >/dev/null 2>&1";
+  const int status = std::system(command.c_str());
+  std::vector<nlohmann::json> out;
+  std::ifstream in(rows);
+  for (std::string line; std::getline(in, line);) out.push_back(nlohmann::json::parse(line));
+  std::filesystem::remove(rows);
+  return {status, out};
+}
+
+TEST(RegionAverageProgram, FloatSumsLoseWhatTheoryTells) {
+  const std::string filter = " --benchmark_filter='/(texel|aligned16)/sat_float'";
+  std::map<std::pair<std::string, std::size_t>, double> errors;  // by set and texels
+  for (const char* arguments :
+       {"--stress --dataset texture_cancellation", "--profile quick --dataset noise:1048576"})
+    for (const auto& row : run_program(arguments + filter).second) {
+      const double is = row["error"], should = row["region_average_figure_value"],
+                   slack = row["region_average_figure_slack"];
+      EXPECT_EQ(row["region_average_figure"], "error");
+      EXPECT_NEAR(is, should, slack) << row;
+      EXPECT_LT(slack, 0.15 * should);
+      errors[{row["query_set"], row["n"]}] = is;
+    }
+  ASSERT_EQ(errors.size(), 4u);
+  // Twice the sides, four times the error. A mean of 16² texels loses √16/16² of what a texel does.
+  for (const char* set : {"texel", "aligned16"})
+    EXPECT_NEAR(errors.at({set, 2048 * 2048}) / errors.at({set, 1024 * 1024}), 4, 0.4) << set;
+  EXPECT_NEAR(errors.at({"texel", 2048 * 2048}) / errors.at({"aligned16", 2048 * 2048}), 64, 6.4);
+}
+
 TEST(RegionAverageProgram, SmokeProfileEndsWellAndTheLadderClimbs) {
   const auto folder = std::filesystem::temp_directory_path() / "treeline_region_average_program";
   std::filesystem::remove_all(folder);

@@ -6,7 +6,7 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
-from bench.report import claims, model, shadows
+from bench.report import claims, model, shadows, theory
 from report_made import made, read
 
 MAP = ("shadow_map", "map", "ours", "approximate")
@@ -29,7 +29,7 @@ def row(method, dataset, query_set="image", error=0.1, build=None, query=None, n
 def cards_of(*entries):
     (task,) = model.task_models(read(*entries))
     numbers = {id(r): i for i, r in enumerate(task.soft)}
-    return {card.title: card for card in shadows.cards(task, numbers, 460)}, task
+    return {card.title: card for card in (*shadows.cards(task, numbers, 460), *theory.cards(task, numbers, 460))}, task
 
 
 def verdict(name, *entries):
@@ -64,9 +64,21 @@ class Cards(unittest.TestCase):
 
     def test_theory_stands_beside_what_was_measured(self):
         cards, task = cards_of(row(MAP, "shadow_tilted_plane_60_0", hard=True, figure="shadow_false_dark", figure_value=0.5,
-                                   false_dark=0.49), row(NONE, "slit"))  # fmt: skip
-        self.assertIn("What theory says", cards)
-        self.assertEqual([(f, i, s) for _, f, i, s in shadows.told(task.rows)], [("shadow_false_dark", 0.49, 0.5)])
+                                   figure_slack=0.02, false_dark=0.49), row(NONE, "slit"))  # fmt: skip
+        self.assertEqual([f[1:] for f in theory.told(task)], [("shadow_false_dark", 0.49, 0.5, 0.02)])
+        (figure,) = cards["What theory says"].figures
+        mark = next(v for v in values_of(figure.chart) if "label" in v)
+        self.assertEqual((mark["low"], mark["high"]), (0.48, 0.52))
+
+    def test_a_field_of_all_rows_stands_over_decades(self):
+        tables = []
+        for dataset, error, should in (("noise", 5e-2, 5.1e-2), ("mask", 1e-5, 1.1e-5)):
+            tables.append(made(MAP, 10.0, dataset=dataset, error=error) | {"task": "region_average", "region_average_figure": "error",
+                                                         "region_average_figure_value": should})  # fmt: skip
+        (task,) = model.task_models(read(*tables))
+        (figure,) = theory.cards(task, {}, 460)[0].figures
+        self.assertIn("Rounding (2 rows)", figure.title)
+        self.assertEqual(figure.chart.to_dict()["layer"][-1]["encoding"]["x"]["scale"]["type"], "log")
 
     def test_front_keeps_what_no_other_beats(self):
         rows = [row(PCSS, "slit", error=e, ns=t, query={"taps": k}, penumbra=e)
