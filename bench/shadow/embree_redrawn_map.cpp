@@ -48,8 +48,7 @@ class Rays {
   alignas(64) float origin_[3][16], direction_[3][16];
 };
 
-DepthMap cast(const ray::EmbreeScene& scene, const LightView& view, int side, int threads) {
-  DepthMap map;
+void cast(const ray::EmbreeScene& scene, const LightView& view, int side, int threads, DepthMap& map) {
   map.view = view, map.width = map.height = side;
   map.first.assign(std::size_t(side) * std::size_t(side), 1.0f);
   const Rays rays(view, side);
@@ -68,7 +67,6 @@ DepthMap cast(const ray::EmbreeScene& scene, const LightView& view, int side, in
           map.first[map.index(x + lane % 4, y + lane / 4)] = std::min(1.0f, packet.ray.tfar[lane]);
     }
   });
-  return map;
 }
 
 [[maybe_unused]] const bool registered = Registry<Method>::instance().add(
@@ -86,9 +84,10 @@ DepthMap cast(const ray::EmbreeScene& scene, const LightView& view, int side, in
        auto scene = std::make_unique<ray::EmbreeScene>(input.scene.mesh, knobs, input.threads);
        if (!rtcGetDeviceProperty(scene->device(), RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED))
          throw Unsupported("this machine's instruction set has no native packets of 16 rays");
-       return redrawn(input, [scene = std::move(scene)](const LightView& view, int side, int threads) {
-         return cast(*scene, view, side, threads);
-       });
+       return redrawn(
+           input, [scene = std::move(scene)](const LightView& view, int side, int threads, DepthMap& map) {
+             cast(*scene, view, side, threads, map);
+           });
      }});
 
 }  // namespace

@@ -1,6 +1,6 @@
 // Shadow maps of a light that moves: drawn anew each time that the receivers are asked about, so that what is
 // timed is the drawing, by whichever way, and one comparison a receiver. What stays as long as the scene
-// does, the tree of those that cast rays, is built once.
+// does, the tree of those that cast rays, is built once, and so is the memory that maps are drawn in.
 #pragma once
 
 #include "bench/shadow/maps.hpp"
@@ -8,7 +8,7 @@
 
 namespace treeline::bench::shadow {
 
-/// draw(view, resolution, threads) makes the map.
+/// draw(view, resolution, threads, map) draws over the map.
 template <class Draw>
 class RedrawnSubject final : public ShadowSubject {
  public:
@@ -16,13 +16,14 @@ class RedrawnSubject final : public ShadowSubject {
 
   void visibility(std::span<const Receiver> receivers, const Knobs& knobs, int threads,
                   std::span<float> out) override {
-    const DepthMap map = draw_(view_, knobs.at("resolution").get<int>(), threads);
-    shading::shadow::shade(shading::shadow::ShadowMap(map, {{.slope = 1}}), receivers, threads, out);
+    draw_(view_, knobs.at("resolution").get<int>(), threads, map_);
+    shading::shadow::shade(shading::shadow::ShadowMap(map_, {{.slope = 1}}), receivers, threads, out);
   }
 
  private:
   LightView view_;
   Draw draw_;
+  DepthMap map_;
 };
 template <class Draw>
 std::unique_ptr<ShadowSubject> redrawn(const Input& input, Draw draw) {

@@ -6,18 +6,21 @@
 namespace treeline::bench::shadow {
 namespace {
 
+namespace raster = shading::raster;
 using Tree = accel::Bvh<accel::Triangles<float>, accel::Wide>;
 
 std::unique_ptr<ShadowSubject> build(const Input& input, const Knobs& knobs) {
   if (knobs.at("drawn") == "raster")
-    return redrawn(input, [&mesh = input.scene.mesh](const LightView& view, int side, int threads) {
-      return shading::raster::rasterise_depth(mesh, view, side, side, {.threads = threads});
+    return redrawn(input, [&mesh = input.scene.mesh, scratch = raster::DepthScratch()](
+                              const LightView& view, int side, int threads, DepthMap& map) mutable {
+      raster::rasterise_depth(mesh, view, side, side, map, scratch, {.threads = threads});
     });
   Tree::Options options;
   options.non_finite = accel::NonFinite::drop, options.threads = input.threads;
-  return redrawn(input, [tree = std::make_unique<Tree>(input.scene.mesh, options)](const LightView& view,
-                                                                                   int side, int threads) {
-    return shading::raster::cast_depth(*tree, view, side, side, {.threads = threads});
+  return redrawn(input, [tree = std::make_unique<Tree>(input.scene.mesh, options),
+                         scratch = raster::CastScratch<float>()](const LightView& view, int side, int threads,
+                                                                 DepthMap& map) mutable {
+    raster::cast_depth(*tree, view, side, side, map, scratch, {.threads = threads});
   });
 }
 

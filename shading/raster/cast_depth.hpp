@@ -27,22 +27,30 @@ geometry::Ray<T> texel_ray(const shadow::LightView& view, int width, int height,
 template <class T>
 inline constexpr T second_slack = T(4) * geometry::tolerance::hit_slack<T>;
 
-/// The map of what is in the index. Throws InvalidScene as rasterise_depth() does.
+/// What one map leaves to the next: some megabytes.
+template <class T>
+struct CastScratch {
+  std::vector<geometry::Ray<T>> rays;
+  std::vector<accel::Hit<T>> hits;
+};
+
+/// Draws the map of what is in the index over what `map` holds. Throws InvalidScene as rasterise_depth()
+/// does.
 template <accel::RayIndex Index>
-shadow::DepthMap cast_depth(const Index& index, const shadow::LightView& view, int width, int height,
-                            const CastOptions& options = {}) {
+void cast_depth(const Index& index, const shadow::LightView& view, int width, int height,
+                shadow::DepthMap& map, CastScratch<typename Index::Scalar>& scratch,
+                const CastOptions& options = {}) {
   using T = typename Index::Scalar;
   check_view(view, width, height, options.layers, options.threads);
-  shadow::DepthMap map;
   map.view = view, map.width = width, map.height = height;
   const std::size_t texels = std::size_t(width) * std::size_t(height);
   map.first.assign(texels, 1.0f);
-  if (options.layers == 2) map.second.assign(texels, 1.0f);
+  map.second.assign(options.layers == 2 ? texels : 0, 1.0f);
 
   // Blocks of so many rays: a few megabytes.
   const std::size_t block = std::min<std::size_t>(texels, std::size_t(1) << 16);
-  std::vector<geometry::Ray<T>> rays(block);
-  std::vector<accel::Hit<T>> hits(block);
+  auto& [rays, hits] = scratch;
+  rays.resize(block), hits.resize(block);
   for (std::size_t begin = 0; begin < texels; begin += block) {
     const std::size_t count = std::min(block, texels - begin);
     for (std::size_t i = 0; i < count; ++i)
@@ -60,6 +68,15 @@ shadow::DepthMap cast_depth(const Index& index, const shadow::LightView& view, i
     for (std::size_t i = 0; i < count; ++i)
       if (told[i]) map.second[begin + i] = std::min(1.0f, float(told[i].t));
   }
+}
+
+/// The map of what is in the index, as above.
+template <accel::RayIndex Index>
+shadow::DepthMap cast_depth(const Index& index, const shadow::LightView& view, int width, int height,
+                            const CastOptions& options = {}) {
+  shadow::DepthMap map;
+  CastScratch<typename Index::Scalar> scratch;
+  cast_depth(index, view, width, height, map, scratch, options);
   return map;
 }
 

@@ -39,6 +39,22 @@ struct DepthWork {
   std::size_t references = 0;  ///< of several threads: pairs of a face and a tile that it may cover
 };
 
+/// What one map leaves to the next: on one thread, a map of the same mesh and size then asks for no memory.
+class DepthScratch {
+ public:
+  /// Not filled.
+  std::span<Vertex> vertices(std::size_t n) {
+    if (n > room_) vertices_ = std::make_unique_for_overwrite<Vertex[]>(n), room_ = n;
+    return {vertices_.get(), n};
+  }
+  std::vector<std::uint32_t> hard;
+  std::vector<Vertex> cut;
+
+ private:
+  std::unique_ptr<Vertex[]> vertices_;
+  std::size_t room_ = 0;
+};
+
 /// Calls f(i) for each i below n.
 template <class F>
 void each(std::size_t n, int threads, const F& f) {
@@ -105,35 +121,35 @@ inline void draw_faces(const Frame& frame, const Target& target, const Corners& 
 
 }  // namespace detail
 
-/// The map of a mesh. Throws InvalidScene for a face that names a vertex that the mesh does not have, a view
-/// that is none, sides beyond 16384 texels, and layers or threads out of range; std::bad_alloc where there is
-/// no room.
-inline shadow::DepthMap rasterise_depth(const geometry::Mesh3f& mesh, const shadow::LightView& view,
-                                        int width, int height, const DepthOptions& options = {},
-                                        DepthWork* work = nullptr) {
+/// Draws the map of a mesh over what `map` holds. Throws InvalidScene for a face that names a vertex that the
+/// mesh does not have, a view that is none, sides beyond 16384 texels, and layers or threads out of range;
+/// std::bad_alloc where there is no room. If it throws the map is of no use.
+inline void rasterise_depth(const geometry::Mesh3f& mesh, const shadow::LightView& view, int width,
+                            int height, shadow::DepthMap& map, DepthScratch& scratch,
+                            const DepthOptions& options = {}, DepthWork* work = nullptr) {
   check_view(view, width, height, options.layers, options.threads);
   constexpr std::size_t limit = std::size_t(1) << 29;  // of what 32-bit offsets reach
   if (mesh.vertices.size() > limit || mesh.faces.size() > limit)
     throw InvalidScene("depth map: a mesh of more than 2^29 vertices or faces");
   const Frame frame(view, width, height);
-  shadow::DepthMap map;
   map.view = view, map.width = width, map.height = height;
   Target target{nullptr, nullptr, (std::size_t(width) + 15) / 16 * 16};
   const std::size_t texels = target.stride * std::size_t(height);
   map.first.assign(texels, 1.0f), target.first = map.first.data();
-  if (options.layers == 2) map.second.assign(texels, 1.0f), target.second = map.second.data();
+  map.second.assign(options.layers == 2 ? texels : 0, 1.0f);
+  if (options.layers == 2) target.second = map.second.data();
 
-  // Not filled before it is written.
-  const auto placed = std::make_unique_for_overwrite<Vertex[]>(mesh.vertices.size());
-  const std::span<const Vertex> vertices(placed.get(), mesh.vertices.size());
+  const std::span<Vertex> vertices = scratch.vertices(mesh.vertices.size());
   accel::parallel_ranges(vertices.size(), options.threads, [&](std::size_t begin, std::size_t end) {
-    place_vertices(frame, std::span(mesh.vertices).subspan(begin, end - begin), placed.get() + begin);
+    place_vertices(frame, std::span(mesh.vertices).subspan(begin, end - begin), vertices.data() + begin);
   });
   DepthWork done;
-  std::vector<std::uint32_t> hard;
+  std::vector<std::uint32_t>& hard = scratch.hard;
+  hard.clear();
   detail::draw_faces(frame, target, {vertices, mesh.faces}, options, hard, done);
 
-  std::vector<Vertex> cut;
+  std::vector<Vertex>& cut = scratch.cut;
+  cut.clear();
   for (const std::uint32_t face : hard) {
     std::array<ClipCorner, 3> triangle;
     bool finite = true;
@@ -159,6 +175,15 @@ inline shadow::DepthMap rasterise_depth(const geometry::Mesh3f& mesh, const shad
                   layer->begin() + std::ptrdiff_t(y * std::size_t(width)));
     layer->resize(std::size_t(width) * std::size_t(height));
   }
+}
+
+/// The map of a mesh, as above.
+inline shadow::DepthMap rasterise_depth(const geometry::Mesh3f& mesh, const shadow::LightView& view,
+                                        int width, int height, const DepthOptions& options = {},
+                                        DepthWork* work = nullptr) {
+  shadow::DepthMap map;
+  DepthScratch scratch;
+  rasterise_depth(mesh, view, width, height, map, scratch, options, work);
   return map;
 }
 

@@ -16,8 +16,8 @@ class MipChain {
  public:
   struct Level {
     int width, height;
-    std::size_t begin;        ///< of its values
-    double scale_x, scale_y;  ///< its texels over those of the texture
+    std::size_t begin;       ///< of its values
+    float scale_x, scale_y;  ///< its texels over those of the texture
   };
 
   explicit MipChain(const Image& image, int threads = 1) { rebuild(image, threads); }
@@ -68,7 +68,8 @@ class MipChain {
     levels_.clear();
     std::size_t end = 0;
     for (int w = image.width, h = image.height;; w = std::max(1, w / 2), h = std::max(1, h / 2)) {
-      levels_.push_back({w, h, end, double(w) / image.width, double(h) / image.height});
+      levels_.push_back({w, h, end, static_cast<float>(double(w) / image.width),
+                         static_cast<float>(double(h) / image.height)});
       end += static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(channels_);
       if (w == 1 && h == 1) break;
     }

@@ -56,46 +56,62 @@ inline float longer_squared(const Footprint& f) {
   return static_cast<float>(k * k * std::max(f.ux * f.ux + f.uy * f.uy, f.vx * f.vx + f.vy * f.vy));
 }
 
-/// Adds `weight` times the level at (x, y), which are in its own texels, between the four nearest.
-template <int channels>
-void add_bilinear(const MipChain& chain, const MipChain::Level& l, float x, float y, float weight,
-                  float* out) {
-  x = std::clamp(x - 0.5f, 0.0f, static_cast<float>(l.width - 1));
-  y = std::clamp(y - 0.5f, 0.0f, static_cast<float>(l.height - 1));
-  const int i = static_cast<int>(x), j = static_cast<int>(y);
-  const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
-  const float* p = chain.texel(l, i, j);
-  const std::size_t right = i + 1 < l.width ? channels : 0;
-  const float* q = p + (j + 1 < l.height ? static_cast<std::size_t>(l.width) * channels : 0);
-  if constexpr (channels >= 3) {  // as four; behind the last texel there is room to read on
-    using Four = prefix::Vector<float, 4>;
-    const auto load = [](const float* from, Four& v) { std::memcpy(&v, from, sizeof v); };
-    Four p0, p1, q0, q1;
-    load(p, p0), load(p + right, p1), load(q, q0), load(q + right, q1);
-    const Four a = p0 + fx * (p1 - p0), b = q0 + fx * (q1 - q0), sum = weight * (a + fy * (b - a));
-    for (int c = 0; c < channels; ++c) out[c] += sum[c];
-  } else {
-    for (std::size_t c = 0; c < channels; ++c) {
-      const float a = p[c] + fx * (p[c + right] - p[c]), b = q[c] + fx * (q[c + right] - q[c]);
-      out[c] += weight * (a + fy * (b - a));
+/// The four texels that are nearest to a point of a level, before they are read.
+struct Four {
+  const float *above, *below;  ///< the two to the left
+  std::size_t right;           ///< to the next one, in floats; 0 at the border
+  float fx, fy, weight;
+
+  /// (x, y) of the texture.
+  Four(const MipChain& chain, const MipChain::Level& l, int channels, float x, float y, float w) : weight(w) {
+    x = std::clamp(x * l.scale_x - 0.5f, 0.0f, static_cast<float>(l.width - 1));
+    y = std::clamp(y * l.scale_y - 0.5f, 0.0f, static_cast<float>(l.height - 1));
+    const int i = static_cast<int>(x), j = static_cast<int>(y);
+    fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
+    above = chain.texel(l, i, j);
+    right = i + 1 < l.width ? static_cast<std::size_t>(channels) : 0;
+    below = above + (j + 1 < l.height ? static_cast<std::size_t>(l.width * channels) : 0);
+  }
+  Four() = default;
+  void prefetch() const { __builtin_prefetch(above), __builtin_prefetch(below); }
+
+  /// Adds `weight` times what lies between them.
+  template <int channels>
+  void add(float* out) const {
+    const float *p = above, *q = below;
+    if constexpr (channels >= 3) {  // as four; behind the last texel there is room to read on
+      using Register = prefix::Vector<float, 4>;
+      const auto load = [](const float* from, Register& v) { std::memcpy(&v, from, sizeof v); };
+      Register p0, p1, q0, q1;
+      load(p, p0), load(p + right, p1), load(q, q0), load(q + right, q1);
+      const Register a = p0 + fx * (p1 - p0), b = q0 + fx * (q1 - q0), sum = weight * (a + fy * (b - a));
+      for (int c = 0; c < channels; ++c) out[c] += sum[c];
+    } else {
+      for (std::size_t c = 0; c < channels; ++c) {
+        const float a = p[c] + fx * (p[c + right] - p[c]), b = q[c] + fx * (q[c + right] - q[c]);
+        out[c] += weight * (a + fy * (b - a));
+      }
     }
   }
-}
+};
+
+/// The finer of the two levels on both sides of a fractional one, and the other's share.
+struct BetweenLevels {
+  int finer;
+  float share;
+  BetweenLevels(const MipChain& chain, float level) {
+    level = level > 0 ? std::min(level, static_cast<float>(chain.levels() - 1)) : 0.0f;  // also if no number
+    finer = static_cast<int>(level), share = level - static_cast<float>(finer);
+  }
+};
 
 /// Adds `weight` times the pyramid at (x, y) of the texture, at a fractional level.
 template <int channels>
 void add_trilinear(const MipChain& chain, float x, float y, float level, float weight, float* out) {
-  const float top = static_cast<float>(chain.levels() - 1);
-  level = level > 0 ? std::min(level, top) : 0.0f;  // also where it is no number
-  const int l = static_cast<int>(level);
-  const float share = level - static_cast<float>(l);
-  const auto add = [&](int at, float w) {
-    const MipChain::Level& here = chain.level(at);
-    add_bilinear<channels>(chain, here, x * static_cast<float>(here.scale_x),
-                           y * static_cast<float>(here.scale_y), w, out);
-  };
-  add(l, weight * (1 - share));
-  if (share > 0) add(l + 1, weight * share);
+  const BetweenLevels at(chain, level);
+  Four(chain, chain.level(at.finer), channels, x, y, weight * (1 - at.share)).template add<channels>(out);
+  if (at.share > 0)
+    Four(chain, chain.level(at.finer + 1), channels, x, y, weight * at.share).template add<channels>(out);
 }
 
 }  // namespace mip
@@ -125,25 +141,55 @@ class Trilinear : public OnMipChain {
 
   void mean(const Footprint& f, float* out) const { means({&f, 1}, out); }
   /// All levels of a block before its look-ups: in one go, each query would wait for its own logarithm. Of
-  /// squares, which need no root.
+  /// squares, which need no root. Where levels are too large for the cache, all places come before they are
+  /// read, too, so that memory finds many at once.
   void means(std::span<const Footprint> footprints, float* out) const {
     const auto bias = static_cast<float>(bias_);
     with_channels(channels(), [&](auto count) {
       std::fill_n(out, footprints.size() * count, 0.0f);
       for (std::size_t i = 0; i < footprints.size(); i += block) {
         const auto part = footprints.subspan(i, std::min(block, footprints.size() - i));
-        float level[block];
+        float* const to = out + i * count;
+        float level[block], finest = INFINITY;
         for (std::size_t k = 0; k < part.size(); ++k) level[k] = mip::longer_squared(part[k]);
         for (std::size_t k = 0; k < part.size(); ++k) level[k] = 0.5f * mip::log2_of(level[k]) + bias;
-        for (std::size_t k = 0; k < part.size(); ++k, out += count)
-          mip::add_trilinear<count>(chain(), static_cast<float>(part[k].x), static_cast<float>(part[k].y),
-                                    level[k], 1, out);
+        for (std::size_t k = 0; k < part.size(); ++k) finest = std::min(finest, level[k]);
+        if (cached(chain().level(mip::BetweenLevels(chain(), finest).finer)))
+          for (std::size_t k = 0; k < part.size(); ++k)
+            mip::add_trilinear<count>(chain(), static_cast<float>(part[k].x), static_cast<float>(part[k].y),
+                                      level[k], 1, to + k * count);
+        else
+          look_up<count>(part, level, to);
       }
     });
   }
 
  private:
   static constexpr std::size_t block = 64;
+  static constexpr std::size_t cached_bytes = std::size_t{1} << 19;  // of a level: some second-level cache
+
+  bool cached(const MipChain::Level& l) const {
+    const std::size_t texels = static_cast<std::size_t>(l.width) * static_cast<std::size_t>(l.height);
+    return texels * static_cast<std::size_t>(channels()) * sizeof(float) <= cached_bytes;
+  }
+  template <int channels>
+  void look_up(std::span<const Footprint> part, const float* level, float* out) const {
+    mip::Four finer[block], coarser[block];
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      const mip::BetweenLevels at(chain(), level[k]);
+      const auto x = static_cast<float>(part[k].x), y = static_cast<float>(part[k].y);
+      finer[k] = mip::Four(chain(), chain().level(at.finer), channels, x, y, 1 - at.share);
+      finer[k].prefetch();
+      coarser[k].weight = 0;
+      if (!(at.share > 0)) continue;
+      coarser[k] = mip::Four(chain(), chain().level(at.finer + 1), channels, x, y, at.share);
+      coarser[k].prefetch();
+    }
+    for (std::size_t k = 0; k < part.size(); ++k, out += channels) {
+      finer[k].template add<channels>(out);
+      if (coarser[k].weight > 0) coarser[k].template add<channels>(out);
+    }
+  }
 
   double bias_;
 };

@@ -111,6 +111,28 @@ TEST_P(EveryScene, CastsTheSameMap) {
   EXPECT_LT(in_float, covered / 50);
 }
 
+TEST(DrawnOver, MapsOfBeforeLeaveNothingAndTheirMemoryIsKept) {
+  const Mesh3f mesh = datasets::make_scene("city", 2000, 1).mesh;
+  const LightView view = view_of(mesh, false);
+  const FloatTree tree(mesh);
+  DepthMap drawn, cast;
+  DepthScratch scratch;
+  CastScratch<float> rays;
+  for (const auto& [side, layers] : {std::pair{120, 2}, {75, 1}, {120, 2}}) {  // 75: rows are padded
+    const float* const before = drawn.first.data();
+    const std::size_t room = drawn.first.capacity();
+    rasterise_depth(mesh, view, side, side, drawn, scratch, {.layers = layers});
+    EXPECT_TRUE(room == 0 || (drawn.first.data() == before && drawn.first.capacity() == room));
+    const DepthMap fresh = draw(mesh, view, side, {.layers = layers});
+    EXPECT_EQ(drawn.first, fresh.first) << side;
+    EXPECT_EQ(drawn.second, fresh.second) << side;
+    cast_depth(tree, view, side, side, cast, rays, {.layers = layers});
+    const DepthMap cast_fresh = cast_depth(tree, view, side, side, {.layers = layers});
+    EXPECT_EQ(cast.first, cast_fresh.first) << side;
+    EXPECT_EQ(cast.second, cast_fresh.second) << side;
+  }
+}
+
 // A closed surface is entered as often as it is left: the texels that faces toward the light cover are those
 // that the others cover, all of them.
 TEST(Closed, EveryTexelThatIsCoveredIsCoveredFromBothSides) {
