@@ -1,6 +1,8 @@
 // One mesh, what is asked about it, and how the answers are judged.
 #pragma once
 
+#include <string>
+
 #include "bench/distance_field/method.hpp"
 #include "datasets_gen/dataset.hpp"
 
@@ -10,6 +12,8 @@ struct BlockInput {
   datasets::Dataset dataset;
   /// Tells the sides where the dataset itself does not; empty: it does, if it is closed.
   geometry::Mesh3f whole;
+  /// What a reader of the rows must know of the mesh; empty: nothing.
+  std::string note;
   std::size_t points = 4096, rays = 4096, judged = 4096;
   std::uint64_t seed = 1;
   int threads = 1;           // for the truth

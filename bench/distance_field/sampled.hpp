@@ -112,7 +112,7 @@ bool register_sampled(const char* name, int ladder) {
                 .family = "field",
                 .claim = Claim::bounded,
                 .build_knobs = resolutions(),
-                .stress_builds = {1},
+                .stress_builds = {2},
                 .ladder = ladder,
                 .quick_builds = 3},
        .build = [](const Input& input, const Knobs&) -> std::unique_ptr<Field> {

@@ -24,7 +24,7 @@ constexpr std::pair<const char*, Samples (*)(const Input&, const Tree&)> rules[]
 
 std::vector<Knobs> builds() {
   std::vector<Knobs> r;
-  for (const int resolution : {128, 64})
+  for (const int resolution : {128, 64, 32})
     for (const auto& [name, sample] : rules) r.push_back({{"resolution", resolution}, {"sign", name}});
   return r;
 }
@@ -34,7 +34,7 @@ std::vector<Knobs> builds() {
               .family = "field",
               .claim = Claim::approximate,
               .build_knobs = builds(),
-              .stress_builds = {4, 5, 6, 7},
+              .stress_builds = {8, 9, 10, 11},
               .ladder = 3,
               .quick_builds = 4},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<Field> {

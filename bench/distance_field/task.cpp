@@ -50,6 +50,12 @@ bool inside_out(const geometry::Mesh3f& mesh) {
   return volume < 0;
 }
 
+/// What nobody says who sees distances alone. Empty: nothing.
+std::string note_on(const datasets::Dataset& dataset) {
+  if (!dataset.closed) return "not closed: distances are judged, on which side they are is not";
+  return inside_out(dataset.mesh) ? "inside out: nothing is inside; turn its faces around" : "";
+}
+
 }  // namespace
 
 DistanceFieldTask::DistanceFieldTask() : RegisteredTask(TREELINE_TASK_METHODS, TREELINE_TASK_NOT_BUILT) {}
@@ -101,6 +107,7 @@ std::unique_ptr<Block> DistanceFieldTask::open(const BlockSpec& spec, const RunC
   }
   input.dataset = datasets::generate(spec.dataset, spec.n, context.seed);
   input.whole = before_damage(spec.dataset, spec.n, context.seed);
+  if (input.whole.faces.empty()) input.note = note_on(input.dataset);
   return open_block(registered(), std::move(input));
 }
 
@@ -108,11 +115,9 @@ std::unique_ptr<Block> DistanceFieldTask::open(datasets::Dataset dataset, const 
   if (dataset.kind != datasets::Kind::mesh || dataset.mesh.faces.empty())
     throw std::invalid_argument("'" + dataset.name +
                                 "' has no triangles; the task distance_field needs a mesh of triangles");
-  if (!dataset.closed)
-    std::cerr << dataset.name << ": not closed: distances are judged, on which side they are is not\n";
-  else if (inside_out(dataset.mesh))
-    std::cerr << dataset.name << ": inside out: nothing is inside; turn its faces around\n";
   BlockInput input;
+  input.note = note_on(dataset);
+  if (!input.note.empty()) std::cerr << dataset.name << ": " << input.note << "\n";
   input.dataset = std::move(dataset);
   input.seed = context.seed, input.threads = all_threads();
   input.quick = context.profile != Profile::full;

@@ -12,12 +12,13 @@
 // Fields of its own (distance_field_…): sample_error_max, _mean (in longest sides, of the samples
 // in the band), sample_signs_wrong (their share, null where nothing tells sides); signs_wrong;
 // steps_mean, steps_max, exhausted, false_hits, false_misses, untold_misses (misses where there is a hit, and
-// the field did not say that it might be), and what the field tells of itself: known_samples, bound_cells
-// (the mean of its bricks' bounds on the error, in cells), told_closed, told_inside_out, sign_conflicts,
-// undecided_signs. Truth: truth.hpp.
-// Claims: bounded: an answer is off by no more than the field said it might be; a ray that missed a surface,
-// or went through one to hit another, was told to be doubtful, and one that hit is within the bound of one.
-// approximate: none.
+// the field did not say that it might be), doubtful (the share of rays that are told to be doubtful or are
+// given up), note (of a mesh that is open or inside out), and what the field tells of itself: known_samples,
+// bound_cells (the mean of its bricks' bounds on the error, in cells), told_closed, told_inside_out,
+// sign_conflicts, undecided_signs. Truth: truth.hpp. Claims: bounded: an answer is off by no more than the
+// field said it might be, and is what it said that of; a ray that missed a surface, or went through one to
+// hit another, was told to be doubtful, one that hit is within the bound of one, and no more than half of all
+// rays are doubtful. approximate: none.
 #pragma once
 
 #include "bench/core/registered_task.hpp"
@@ -29,7 +30,7 @@ class DistanceFieldTask final : public RegisteredTask<Method> {
  public:
   DistanceFieldTask();
   std::string name() const override { return "distance_field"; }
-  int version() const override { return 2; }
+  int version() const override { return 3; }
   std::vector<BlockSpec> blocks(Profile) const override;
   /// Damaged meshes, and those hard cases of the task ray that are closed or at least finite.
   std::vector<BlockSpec> hard_blocks() const override;

@@ -84,7 +84,10 @@ enum class Fault {
   misses_silently,
   hits_nothing,
   hits_far_wall,
-  tells_far_wall
+  tells_far_wall,  // of every tenth ray, which it doubts
+  always_doubtful_miss,
+  always_doubtful_hit,  // where it is
+  batch_only_wrong      // one by one it is right
 };
 const geometry::Mesh3f* faulty_mesh = nullptr;
 
@@ -93,20 +96,23 @@ class Faulty final : public Field {
  public:
   void distances(std::span<const geometry::Vec3f> points, const Knobs&, int,
                  std::span<float> out) const override {
-    for (std::size_t i = 0; i < points.size(); ++i) out[i] = static_cast<float>(at(Vec3d(points[i])));
+    const double factor = fault == Fault::batch_only_wrong ? 1.00001 : 1;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      out[i] = static_cast<float>(factor * at(Vec3d(points[i])));
   }
   void trace(std::span<const geometry::Rayf> rays, const Knobs&, int,
              std::span<TraceAnswer> out) const override {
-    auto hits = truth_.hits(rays, 1);
-    if (fault == Fault::hits_far_wall || fault == Fault::tells_far_wall) {
-      std::vector<geometry::Rayf> onward(rays.begin(), rays.end());
-      for (std::size_t i = 0; i < rays.size(); ++i) onward[i].t_min = static_cast<float>(hits[i]) + 0.1f;
-      const auto second = truth_.hits(onward, 1);
-      for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = std::isfinite(second[i]) ? second[i] : hits[i];
-    }
+    const auto hits = truth_.hits(rays, 1);
+    auto onward = std::vector<geometry::Rayf>(rays.begin(), rays.end());
+    for (std::size_t i = 0; i < rays.size(); ++i) onward[i].t_min = static_cast<float>(hits[i]) + 0.1f;
+    const auto second = truth_.hits(onward, 1);
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      out[i] = {.t = static_cast<float>(hits[i]), .doubtful = fault == Fault::tells_far_wall};
-      if (fault == Fault::misses_silently) out[i].t = std::numeric_limits<float>::infinity();
+      const bool passes = fault == Fault::hits_far_wall || (fault == Fault::tells_far_wall && i % 10 == 0);
+      out[i] = {.t = static_cast<float>(passes && std::isfinite(second[i]) ? second[i] : hits[i])};
+      out[i].doubtful = (fault == Fault::tells_far_wall && passes) || fault == Fault::always_doubtful_hit ||
+                        fault == Fault::always_doubtful_miss;
+      if (fault == Fault::misses_silently || fault == Fault::always_doubtful_miss)
+        out[i].t = std::numeric_limits<float>::infinity();
       if (fault == Fault::hits_nothing) out[i].t = 0.01f;
     }
   }
@@ -157,6 +163,22 @@ TEST(DistanceFieldTask, FaultsAreFound) {
   EXPECT_EQ(sets_found_wrong<Fault::hits_nothing>(), rays);
   EXPECT_EQ(sets_found_wrong<Fault::hits_far_wall>(), rays);
   EXPECT_EQ(sets_found_wrong<Fault::tells_far_wall>(), std::set<std::string>{});
+  EXPECT_EQ(sets_found_wrong<Fault::always_doubtful_miss>(), rays);
+  EXPECT_EQ(sets_found_wrong<Fault::always_doubtful_hit>(), rays);
+  EXPECT_EQ(sets_found_wrong<Fault::batch_only_wrong>(), points);
+}
+
+// What a mesh lacks stands in its rows, not on the terminal alone.
+TEST(DistanceFieldTask, OpenAndInsideOutMeshesAreNoted) {
+  const auto note = [](const char* name) {
+    const auto block = task().open(datasets::generate(name, 1'000, 1), smoke());
+    const auto subject = block->build(0, task().methods()[0].build_knobs[0], 1);
+    subject->run(0, Knobs::object(), 1);
+    return block->check(0, *subject, 0, Knobs::object()).extra.value("distance_field_note", "");
+  };
+  EXPECT_EQ(note("icosphere"), "");
+  EXPECT_NE(note("icosphere+hole_2").find("not closed"), std::string::npos);
+  EXPECT_NE(note("icosphere+inside_out").find("inside out"), std::string::npos);
 }
 
 // What is bounded says by how much, or its answers could not be judged.
