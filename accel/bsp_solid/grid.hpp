@@ -30,7 +30,7 @@ struct SolidGrid {
       farthest = std::max({farthest, std::abs(box.low[k]), std::abs(box.high[k])});
     }
     if (!(extent > 0x1p-900 && farthest < 0x1p900))
-      throw InvalidInput("solid: an extent of " + std::to_string(extent) + " has no grid");
+      throw InvalidInput("solid: an extent below 2^-900, or coordinates beyond 2^900, have no grid");
     SolidGrid g;
     g.spacing = std::ldexp(1.0, std::ilogb(extent) - 25);  // extent < 2^26 steps
     if (extent / g.spacing > 0x1p26 - 2) g.spacing *= 2;   // room to round the centre

@@ -4,97 +4,189 @@
 // Problem: parts that lie in one another do not meet, and those that meet along edges, or lie flush, do not
 // run through each other's faces; the tree would call the space between two of them outside as one of them
 // says, or inside as the other does. Method: how often the surface goes around points just behind its faces
-// (winding_tree.hpp): once. For parts that are inside out one face of each is asked; for space that is
-// enclosed twice every piece that the tree has cut, since only some of a face may border on it. Cost: a tree
-// over the faces, and a query a piece: seven times the build's time for shells of 80,000 faces; nothing where
-// there is one part. Known weakness: pieces thinner than 2^-8 of a step are not asked, nor is a single part
-// that lies flush with itself.
+// (winding_tree.hpp): once. That changes from face to face only where some other one touches: of faces that
+// none touches, and that hang together by edges of two, one is asked; of those that are touched every piece
+// that the tree has cut, since only some of a face may border on what is enclosed twice. For parts that are
+// inside out one face of each is asked. Cost: boxes and exact tests for touches, some two microseconds a
+// face; where there is more than one part, or a touch, another tree over the faces and a query for each that
+// is asked. Known weakness: pieces thinner than 2^-8 of a step are not asked.
 #pragma once
 
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "accel/bsp_solid/build.hpp"
 #include "accel/signed_distance/winding_tree.hpp"
 #include "geometry/adjacency.hpp"
+#include "geometry/exact/triangle_triangle.hpp"
+#include "geometry/weld.hpp"
 
 namespace treeline::accel::solid {
 
+/// Sets of faces that are joined two by two.
+class FaceSets {
+ public:
+  explicit FaceSets(std::size_t faces) : parent_(faces) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  std::uint32_t of(std::uint32_t f) {
+    while (parent_[f] != f) f = parent_[f] = parent_[parent_[f]];
+    return f;
+  }
+  void join(std::uint32_t f, std::uint32_t g) { parent_[of(f)] = of(g); }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+/// Of each triangle whether another one has a point in common with it beyond corners and edges that both have
+/// (exact/triangle_triangle.hpp), or is the same.
+inline std::vector<bool> touched_faces(const geometry::Mesh3d& mesh) {
+  // Rounding to float keeps the order of coordinates, so that boxes that meet still do.
+  std::vector<geometry::Triangle3f> rounded;
+  for (std::size_t f = 0; f < mesh.size(); ++f) rounded.emplace_back(mesh.triangle(f));
+  const BinaryTree tree = build_binned(rounded);
+  std::vector<bool> touched(mesh.size());
+  std::vector<std::uint32_t> open;
+  for (std::uint32_t f = 0; f < mesh.size(); ++f) {
+    const geometry::Triangle3d t = mesh.triangle(f);
+    const geometry::Box3f box = rounded[f].box();
+    open.assign(1, 0);
+    while (!open.empty()) {
+      const BinaryNode& node = tree.nodes[open.back()];
+      open.pop_back();
+      if (!box.overlaps(node.box)) continue;
+      if (node.count == 0) open.push_back(node.first), open.push_back(node.first + 1);
+      for (std::uint32_t k = node.first; k < node.first + node.count; ++k) {
+        const std::uint32_t g = tree.references[k];
+        if (g <= f || (touched[f] && touched[g]) || !box.overlaps(rounded[g].box())) continue;
+        const geometry::Triangle3d u = mesh.triangle(g);
+        if (geometry::cross_each_other(t, u) || geometry::SharedCorners(t, u).count == 3)
+          touched[f] = touched[g] = true;
+      }
+    }
+  }
+  return touched;
+}
+
 /// faces: triangles of whole coordinates, called names[i] in the mesh that the adjacency is of; cut: what the
 /// tree made of them. Throws NotASolid.
-inline void check_parts(const Pieces<ExactSpace>& pieces, std::span<const Piece> faces,
-                        std::span<const Piece> cut, std::span<const Id> names,
-                        const geometry::Adjacency& adjacency) {
-  using geometry::Triangle3d;
-  using geometry::Vec3d;
-  const std::vector<std::uint32_t>& sides = adjacency.sorted_half_edges();
-  if (faces.empty()) return;
-  std::vector<std::uint32_t> parent(*std::ranges::max_element(sides) / 3 + std::size_t{1});
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto part_of = [&](std::uint32_t f) {
-    while (parent[f] != f) f = parent[f] = parent[parent[f]];
-    return f;
-  };
-  for (const std::uint32_t side : sides)
-    if (const std::uint32_t twin = adjacency.twin(side); twin != geometry::Adjacency::none)
-      parent[part_of(side / 3)] = part_of(twin / 3);
-
-  const auto triangle = [&](const Piece& p) {
-    const auto c = pieces.of(p);
-    return Triangle3d{c[0].at, c[1].at, c[2].at};
-  };
-  /// Of each part the face that is highest above its longest side: whose middle is farthest from its edges.
-  struct Best {
-    double height = 0;
-    std::size_t face = 0;
-  };
-  std::unordered_map<std::uint32_t, Best> best;
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    const Triangle3d t = triangle(faces[i]);
-    const double longest2 = std::max({length2(t.b - t.a), length2(t.c - t.b), length2(t.a - t.c)});
-    Best& b = best[part_of(names[i])];
-    if (const double height = length(t.area_normal()) / std::sqrt(longest2); height > b.height)
-      b = {height, i};
+class PartsCheck {
+ public:
+  PartsCheck(const Pieces<ExactSpace>& pieces, std::span<const Piece> faces, std::span<const Id> names)
+      : pieces_(pieces), faces_(faces), names_(names) {
+    for (const Piece& p : faces) {
+      const auto first = static_cast<std::uint32_t>(mesh_.vertices.size());
+      for (const auto& c : pieces.of(p)) mesh_.vertices.push_back(c.at);
+      mesh_.faces.push_back({first, first + 1, first + 2});
+    }
   }
-  if (best.size() < 2) return;
 
-  geometry::Mesh3d mesh;
-  for (const Piece& p : faces) {
-    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (const auto& c : pieces.of(p)) mesh.vertices.push_back(c.at);
-    mesh.faces.push_back({first, first + 1, first + 2});
+  void operator()(std::span<const Piece> cut, const geometry::Adjacency& adjacency) {
+    if (faces_.empty()) return;
+    const std::vector<std::uint32_t>& sides = adjacency.sorted_half_edges();
+    FaceSets parts(*std::ranges::max_element(sides) / 3 + std::size_t{1});
+    for (const std::uint32_t side : sides)
+      if (const std::uint32_t twin = adjacency.twin(side); twin != geometry::Adjacency::none)
+        parts.join(side / 3, twin / 3);
+    const std::vector<std::size_t> of_parts =
+        highest([&](std::size_t i) { return std::optional(parts.of(names_[i])); });
+
+    const std::vector<bool> touched = touched_faces(mesh_);
+    FaceSets sheets = untouched_sheets(touched);
+    const std::vector<std::size_t> of_sheets = highest([&](std::size_t i) {
+      return touched[i] ? std::nullopt : std::optional(sheets.of(static_cast<std::uint32_t>(i)));
+    });
+    const bool any = std::ranges::find(touched, true) != touched.end();
+    if (of_parts.size() < 2 && of_sheets.size() < 2 && !any) return;
+
+    winding_.emplace(mesh_, 2, 1);
+    for (const std::size_t i : of_parts)
+      if (turns_behind(triangle(i).centroid(), triangle(i).area_normal()) < 0.5)
+        throw NotASolid(who(i) + " is inside out");
+    for (const std::size_t i : of_sheets) refuse_twice(i, triangle(i).centroid());
+    for (const Piece& p : cut)
+      if (touched[p.face]) ask(p);
   }
-  const WindingTree<double> winding(mesh, 2, 1);
-  constexpr double off = 0x1p-20;  // of a step: far more than a rounding, far less than what is kept apart
+
+ private:
+  geometry::Triangle3d triangle(std::size_t face) const { return mesh_.triangle(face); }
+  std::string who(std::size_t face) const {
+    return "solid: the part of the surface that has face " + std::to_string(names_[face]);
+  }
+
+  /// Of each set of faces the one that is highest above its longest side: whose middle is farthest from its
+  /// edges. set_of(face): none for those that are in no set.
+  template <class SetOf>
+  std::vector<std::size_t> highest(const SetOf& set_of) const {
+    struct Best {
+      double height = 0;
+      std::size_t face = 0;
+    };
+    std::unordered_map<std::uint32_t, Best> best;
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+      const std::optional<std::uint32_t> set = set_of(i);
+      if (!set) continue;
+      const geometry::Triangle3d t = triangle(i);
+      const double longest2 = std::max({length2(t.b - t.a), length2(t.c - t.b), length2(t.a - t.c)});
+      Best& b = best[*set];
+      if (const double height = length(t.area_normal()) / std::sqrt(longest2); height > b.height)
+        b = {height, i};
+    }
+    std::vector<std::size_t> r;
+    for (const auto& [set, b] : best) r.push_back(b.face);
+    std::ranges::sort(r);
+    return r;
+  }
+
+  /// What hangs together by edges, at equal positions, of two faces that none touches.
+  FaceSets untouched_sheets(const std::vector<bool>& touched) const {
+    const std::vector<std::uint32_t> first = geometry::first_at_position(mesh_.vertices);
+    auto faces = mesh_.faces;
+    for (auto& f : faces)
+      for (std::uint32_t& v : f) v = first[v];
+    const geometry::Adjacency adjacency(faces, mesh_.vertices.size());
+    FaceSets sheets(faces.size());
+    for (const auto& edge : adjacency.edges()) {
+      if (edge.count != 2) continue;
+      const auto sides = adjacency.half_edges_of(edge);
+      if (const std::uint32_t f = sides[0] / 3, g = sides[1] / 3; !touched[f] && !touched[g])
+        sheets.join(f, g);
+    }
+    return sheets;
+  }
+
   /// How often the surface goes around a point just behind one of a plane with that normal.
-  const auto turns_behind = [&](Vec3d at, const Vec3d& normal) {
+  double turns_behind(geometry::Vec3d at, const geometry::Vec3d& normal) const {
+    constexpr double off = 0x1p-20;  // of a step: far more than a rounding, far less than what is kept apart
     const int axis = largest_axis(normal);
     at[axis] -= std::copysign(off, normal[axis]);
-    return winding(at).value;
-  };
-  const auto who = [&](std::size_t face) {
-    return "solid: the part of the surface that has face " + std::to_string(names[face]);
-  };
-  for (const auto& [part, b] : best) {
-    const Triangle3d t = triangle(faces[b.face]);
-    if (turns_behind(t.centroid(), t.area_normal()) < 0.5) throw NotASolid(who(b.face) + " is inside out");
+    return (*winding_)(at).value;
   }
-  constexpr double thin = 0x1p-8;  // of a step
-  for (const Piece& p : cut) {
-    const auto c = pieces.of(p);
-    Vec3d middle, normal = triangle(faces[p.face]).area_normal();
+  void refuse_twice(std::size_t face, const geometry::Vec3d& at) const {
+    if (turns_behind(at, triangle(face).area_normal()) > 1.5)
+      throw NotASolid(who(face) + " lies in another one that faces the same way, or runs through it");
+  }
+  void ask(const Piece& p) const {
+    constexpr double thin = 0x1p-8;  // of a step
+    const auto c = pieces_.of(p);
+    geometry::Vec3d middle;
+    const geometry::Vec3d normal = normalized(triangle(p.face).area_normal());
     for (const auto& corner : c) middle = middle + corner.at;
     middle = middle / static_cast<double>(c.size());
-    normal = normalized(normal);
     double height = std::numeric_limits<double>::infinity();  // of the middle above the sides
     for (std::size_t i = 0; i < c.size(); ++i) {
-      const Vec3d side = c[(i + 1) % c.size()].at - c[i].at;
+      const geometry::Vec3d side = c[(i + 1) % c.size()].at - c[i].at;
       if (const double l = length(side); l > 0)
         height = std::min(height, dot(cross(normal, side), middle - c[i].at) / l);
     }
-    if (height > thin && turns_behind(middle, normal) > 1.5)
-      throw NotASolid(who(p.face) + " lies in another one that faces the same way, or runs through it");
+    if (height > thin) refuse_twice(p.face, middle);
   }
-}
+
+  const Pieces<ExactSpace>& pieces_;
+  std::span<const Piece> faces_;
+  std::span<const Id> names_;
+  geometry::Mesh3d mesh_;  // of the faces, in steps
+  std::optional<WindingTree<double>> winding_;
+};
 
 }  // namespace treeline::accel::solid

@@ -68,6 +68,7 @@ class BspTree<Solid<Space>> {
   /// ray that is none.
   Hit<double> closest_hit(const geometry::Rayd& ray) const;
 
+  /// Zero where a double cannot hold it, of extents below some 1e-108.
   double volume() const;
   const SolidStats& stats() const { return stats_; }
   const SolidGrid& grid() const { return pieces_.space.grid; }
@@ -94,6 +95,9 @@ class BspTree<Solid<Space>> {
     }
     return sum;
   }
+  /// Of the polygons, by the divergence theorem: exactly where their corners are vertices, else from corners
+  /// rounded to double.
+  long double volume_in_steps() const;
   Vec3d position(const typename Space::Corner& c) const { return grid().position(Vec3d(c.at)); }
   void hit_face(const Piece& face, const geometry::Watertight::Prepared<double>& test,
                 const geometry::Rayd& ray, Hit<double>& best) const;
@@ -170,11 +174,11 @@ BspTree<Solid<Space>>::BspTree(const geometry::Mesh<T>& mesh, const SolidOptions
         if (across != geometry::Adjacency::none)
           pieces_.corners[p.first + static_cast<std::uint32_t>(i)].twin = plane_of[across];
       }
-  const double v = volume();
-  if (v <= 0) throw NotASolid("solid: the mesh is inside out or has no volume: it is " + std::to_string(v));
+  if (const long double v = volume_in_steps(); !(v > 0))
+    throw NotASolid(std::string("solid: the mesh ") + (v < 0 ? "is inside out" : "has no volume"));
   build(options);
   if constexpr (Space::is_exact)
-    if (!options.may_cross_itself) solid::check_parts(pieces_, source_, tree_.pieces, names_, adjacency);
+    if (!options.may_cross_itself) solid::PartsCheck(pieces_, source_, names_)(tree_.pieces, adjacency);
 }
 
 template <class Space>
@@ -313,10 +317,8 @@ Hit<double> BspTree<Solid<Space>>::closest_hit(const geometry::Rayd& given) cons
   return best;
 }
 
-/// Of the polygons, by the divergence theorem: exactly where their corners are vertices, else from corners
-/// rounded to double.
 template <class Space>
-double BspTree<Solid<Space>>::volume() const {
+long double BspTree<Solid<Space>>::volume_in_steps() const {
   solid::Int128 whole = 0;  // a term is below 2^80: differences have 26 bits
   long double sum = 0;
   for (const Piece& p : source_) {
@@ -331,8 +333,13 @@ double BspTree<Solid<Space>>::volume() const {
     for (std::size_t i = 2; i < c.size(); ++i)
       sum += static_cast<long double>(dot(a, cross(Vec3d(c[i - 1].at) - a, Vec3d(c[i].at) - a)));
   }
-  const double step = grid().spacing;
-  return static_cast<double>((sum + static_cast<long double>(whole)) / 6) * (step * step * step);
+  return (sum + static_cast<long double>(whole)) / 6;
+}
+template <class Space>
+double BspTree<Solid<Space>>::volume() const {
+  // Its powers leave the range of double before a volume does.
+  const long double step = grid().spacing;
+  return static_cast<double>(volume_in_steps() * step * step * step);
 }
 
 }  // namespace treeline::accel

@@ -23,15 +23,16 @@ namespace treeline::geometry {
 
 namespace detail {
 
-/// Orientations of float points, with the exact zeros of flat and regular meshes found early.
-inline int side_of_plane(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
+/// Orientations of points, with the exact zeros of flat and regular meshes found early.
+template <class T>
+int side_of_plane(const Vec<T, 3>& a, const Vec<T, 3>& b, const Vec<T, 3>& c, const Vec<T, 3>& d) {
   for (int k = 0; k < 3; ++k)
     if (a[k] == b[k] && b[k] == c[k] && c[k] == d[k]) return 0;
   return orientation(a, b, c, d);
 }
 inline int turn(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
   const Vec2d p = b - a, q = c - a;
-  bool short_numbers = true;  // 24 digits each: their products are exact
+  bool short_numbers = true;  // 24 digits each, of floats: their products are exact
   for (int k = 0; k < 2; ++k)
     short_numbers = short_numbers && double(float(p[k])) == p[k] && double(float(q[k])) == q[k];
   const double m = p[0] * q[1], n = p[1] * q[0];
@@ -41,20 +42,22 @@ inline int turn(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
 }
 
 /// Triangles in one plane, seen along an axis along which they keep their area.
+template <class T>
 class InPlane {
  public:
-  explicit InPlane(const Triangle3f& t) {
+  explicit InPlane(const Triangle<T>& t) {
     for (axis_ = 0; axis_ < 2; ++axis_)
       if (turn(flat(t.a), flat(t.b), flat(t.c)) != 0) return;
   }
-  Vec2d flat(const Vec3f& p) const { return {double(p[(axis_ + 1) % 3]), double(p[(axis_ + 2) % 3])}; }
+  Vec2d flat(const Vec<T, 3>& p) const { return {double(p[(axis_ + 1) % 3]), double(p[(axis_ + 2) % 3])}; }
 
-  bool contains(const Triangle3f& t, const Vec3f& p) const {
+  bool contains(const Triangle<T>& t, const Vec<T, 3>& p) const {
     const Vec2d a = flat(t.a), b = flat(t.b), c = flat(t.c), x = flat(p);
     const int u = turn(a, b, x), v = turn(b, c, x), w = turn(c, a, x);
     return (u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0);
   }
-  bool meet(const Vec3f& from, const Vec3f& to, const Vec3f& other_from, const Vec3f& other_to) const {
+  bool meet(const Vec<T, 3>& from, const Vec<T, 3>& to, const Vec<T, 3>& other_from,
+            const Vec<T, 3>& other_to) const {
     const Vec2d p = flat(from), q = flat(to), r = flat(other_from), s = flat(other_to);
     const int o1 = turn(p, q, r), o2 = turn(p, q, s), o3 = turn(r, s, p), o4 = turn(r, s, q);
     if (o1 != 0 || o2 != 0) return o1 * o2 <= 0 && o3 * o4 <= 0;
@@ -69,10 +72,11 @@ class InPlane {
 };
 
 /// Whether segment pq meets triangle t, from the sides of t's plane on which p and q lie.
-inline bool meets(const Vec3f& p, const Vec3f& q, int side_p, int side_q, const Triangle3f& t) {
+template <class T>
+bool meets(const Vec<T, 3>& p, const Vec<T, 3>& q, int side_p, int side_q, const Triangle<T>& t) {
   if (side_p * side_q > 0) return false;
   if (side_p == 0 && side_q == 0) {
-    const InPlane plane(t);
+    const InPlane<T> plane(t);
     return plane.contains(t, p) || plane.meet(p, q, t.a, t.b) || plane.meet(p, q, t.b, t.c) ||
            plane.meet(p, q, t.c, t.a);
   }
@@ -86,11 +90,12 @@ inline bool meets(const Vec3f& p, const Vec3f& q, int side_p, int side_q, const 
 
 /// How many corners of two triangles lie at equal positions, and the two triangles turned so that those come
 /// first.
+template <class T>
 struct SharedCorners {
   int count = 0;
-  std::array<Vec3f, 3> s, t;
+  std::array<Vec<T, 3>, 3> s, t;
 
-  SharedCorners(const Triangle3f& first, const Triangle3f& second)
+  SharedCorners(const Triangle<T>& first, const Triangle<T>& second)
       : s{first.a, first.b, first.c}, t{second.a, second.b, second.c} {
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t j = static_cast<std::size_t>(count); j < 3; ++j)
@@ -104,13 +109,14 @@ struct SharedCorners {
 };
 
 /// Whether two triangles have a point in common beyond their shared corners and edges.
-inline bool cross_each_other(const Triangle3f& first, const Triangle3f& second) {
-  const SharedCorners shared(first, second);
-  const Triangle3f s{shared.s[0], shared.s[1], shared.s[2]}, t{shared.t[0], shared.t[1], shared.t[2]};
+template <class T>
+bool cross_each_other(const Triangle<T>& first, const Triangle<T>& second) {
+  const SharedCorners<T> shared(first, second);
+  const Triangle<T> s{shared.s[0], shared.s[1], shared.s[2]}, t{shared.t[0], shared.t[1], shared.t[2]};
   if (shared.count == 3) return false;
   if (shared.count == 2) {
     if (detail::side_of_plane(s.a, s.b, s.c, t.c) != 0) return false;
-    const detail::InPlane plane(s);
+    const detail::InPlane<T> plane(s);
     const Vec2d a = plane.flat(s.a), b = plane.flat(s.b);
     return detail::turn(a, b, plane.flat(s.c)) == detail::turn(a, b, plane.flat(t.c));
   }

@@ -1,4 +1,5 @@
-// Solids: volumes of whole numbers, options out of range, and the integers that decide.
+// Solids: volumes of whole numbers, sizes, rays and options at and out of range, and the integers that
+// decide.
 #include <gtest/gtest.h>
 
 #include "accel/bsp_solid.hpp"
@@ -33,6 +34,19 @@ TEST(Solid, VolumesOfVerticesAreExact) {
   EXPECT_DOUBLE_EQ(found, 2.0 / 6);
 }
 
+// Of extents from 2^-890 to 2^890, whose volumes a double may not hold.
+TEST(Solid, OfAnySizeAreTheSame) {
+  Mesh3d turned = cube<double>(1);
+  for (auto& f : turned.faces) std::swap(f[0], f[1]);
+  for (const double scale : {0x1p-890, 1e-108, 1e-103, 1e100, 0x1p890}) {
+    const BspTree<Solid<>> tree(moved(cube<double>(1), {}, scale));
+    EXPECT_TRUE(tree.contains({0.4 * scale, -0.4 * scale, 0.3 * scale})) << scale;
+    EXPECT_FALSE(tree.contains({0.4 * scale, -0.4 * scale, 1.3 * scale})) << scale;
+    if (const double v = 8 * scale * scale * scale; std::isnormal(v)) EXPECT_NEAR(tree.volume() / v, 1, 1e-6);
+    EXPECT_THROW(BspTree<Solid<>>(moved(turned, {}, scale)), NotASolid) << scale;
+  }
+}
+
 TEST(Solid, RefusesOptionsOutOfRange) {
   const Mesh3d m = cube<double>(1);
   const auto told = [&](auto&& change) -> std::string {
@@ -61,6 +75,24 @@ TEST(Solid, RefusesOptionsOutOfRange) {
   } catch (const InvalidInput& e) {
     EXPECT_NE(std::string(e.what()).find("face 2 names vertex 99"), std::string::npos);
   }
+}
+
+TEST(Solid, RaysOfAnyLengthAndNoOthers) {
+  const BspTree<Solid<>> tree(sphere<double>(2));
+  const Rayd ray{{-3, 0.1, 0.2}, {1, 0.1, 0}};
+  const double t = tree.closest_hit(ray).t;
+  for (const int exponent : {-1000, -665, 3, 665, 1000}) {
+    Rayd other = ray;
+    other.direction = ray.direction * std::ldexp(1.0, exponent);
+    other.t_max = std::ldexp(2 * t, -exponent);
+    EXPECT_EQ(tree.closest_hit(other).t, std::ldexp(t, -exponent)) << exponent;
+    other.t_min = std::ldexp(3 * t, -exponent), other.t_max = INFINITY;
+    EXPECT_FALSE(tree.closest_hit(other)) << exponent;
+  }
+  EXPECT_NEAR(tree.closest_hit({{-3, 0.1, 0.2}, {1e-200, 0, 0}}).t / 1e200, 2.025, 0.05);
+  for (const Rayd& bad : {Rayd{{0, 0, 0}, {1, 0, 0}, NAN, 1}, Rayd{{0, 0, 0}, {1, 0, 0}, 0, NAN},
+                          Rayd{{0, 0, 0}, {0, 0, 0}}, Rayd{{NAN, 0, 0}, {1, 0, 0}}})
+    EXPECT_THROW(tree.closest_hit(bad), InvalidInput);
 }
 
 TEST(WideInteger, CalculatesLikeDyadics) {

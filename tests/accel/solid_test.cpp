@@ -420,6 +420,51 @@ TEST(SolidParts, ThatDoNotBoundOneSolidAreRefused) {
   EXPECT_EQ(told(on_grid(nested())), all_take);
 }
 
+/// A square tube of one part along a way in the plane, each of whose corners is a right angle.
+Mesh3d tube(const std::vector<Vec2d>& way) {
+  Mesh3d m;
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    const Vec2d into = i > 0 ? way[i] - way[i - 1] : way[1] - way[0],
+                out = i + 1 < way.size() ? way[i + 1] - way[i] : into;
+    const Vec2d a = into / length(into), b = out / length(out);
+    const Vec2d left = a == b ? Vec2d{-a[1], a[0]} : Vec2d{-a[1] - b[1], a[0] + b[0]};
+    for (const auto& [side, z] : {std::pair{-0.5, 0.0}, {0.5, 0.0}, {0.5, 1.0}, {-0.5, 1.0}})
+      m.vertices.push_back({way[i][0] + side * left[0], way[i][1] + side * left[1], z});
+  }
+  const auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    m.faces.push_back({a, b, c}), m.faces.push_back({a, c, d});
+  };
+  const auto last = static_cast<std::uint32_t>(4 * (way.size() - 1));
+  quad(0, 3, 2, 1), quad(last, last + 1, last + 2, last + 3);
+  for (std::uint32_t r = 0; r < last; r += 4)
+    for (std::uint32_t k = 0; k < 4; ++k) quad(r + k, r + (k + 1) % 4, r + 4 + (k + 1) % 4, r + 4 + k);
+  return m;
+}
+
+// A ring whose end stops short of its start, meets it, or lies in it, flush on four sides.
+TEST(SolidParts, OneThatLiesInItselfIsRefused) {
+  const auto ring = [](double end) { return tube({{1, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0}, {end, 0}}); };
+  EXPECT_EQ(told(ring(0.75)), all_take);
+  EXPECT_NO_THROW(Tree{ring(1)});
+  EXPECT_EQ(Tree(ring(0.75)).volume(), 3 + 4 + 4 + 4 + 0.75);
+  EXPECT_TRUE(all_refuse(ring(2), "lies in another one that faces the same way, or runs through it"));
+}
+
+// What is enclosed twice may lie anywhere along a seam: of many parts that touch, two lie in one another.
+TEST(SolidParts, AreFoundAmongManyThatTouch) {
+  Mesh3d wall;
+  for (int i = 0; i < 5; ++i)
+    for (int k = 0; k < 5; ++k) {
+      const Vec3d low{double(i), double(k), 0};
+      const Mesh3d brick = box_mesh(low, low + Vec3d::filled(1));
+      wall = wall.faces.empty() ? brick : together(wall, brick);
+    }
+  EXPECT_NO_THROW(Tree{wall});
+  EXPECT_TRUE(all_refuse(together(wall, box_mesh({2, 2, 0}, {3, 4, 1})), "solid: "));
+  EXPECT_TRUE(
+      all_refuse(together(wall, box_mesh({2.25, 2.25, 0.25}, {2.75, 2.75, 0.75})), "lies in another"));
+}
+
 TEST(Solid, VerticesThatNoFaceNamesDoNotMatter) {
   const Mesh3d mesh = on_grid(sphere<double>(2));
   Mesh3d more = mesh;
@@ -428,24 +473,6 @@ TEST(Solid, VerticesThatNoFaceNamesDoNotMatter) {
   EXPECT_EQ(tree.grid(), Tree(mesh).grid());
   EXPECT_EQ(tree.stats().moved, 0u);
   EXPECT_EQ(tree.locate({0, 0, 0}), Location::inside);
-}
-
-TEST(Solid, RaysOfAnyLengthAndNoOthers) {
-  const Tree tree(on_grid(sphere<double>(2)));
-  const Rayd ray{{-3, 0.1, 0.2}, {1, 0.1, 0}};
-  const double t = tree.closest_hit(ray).t;
-  for (const int exponent : {-1000, -665, 3, 665, 1000}) {
-    Rayd other = ray;
-    other.direction = ray.direction * std::ldexp(1.0, exponent);
-    other.t_max = std::ldexp(2 * t, -exponent);
-    EXPECT_EQ(tree.closest_hit(other).t, std::ldexp(t, -exponent)) << exponent;
-    other.t_min = std::ldexp(3 * t, -exponent), other.t_max = INFINITY;
-    EXPECT_FALSE(tree.closest_hit(other)) << exponent;
-  }
-  EXPECT_NEAR(tree.closest_hit({{-3, 0.1, 0.2}, {1e-200, 0, 0}}).t / 1e200, 2.025, 0.05);
-  for (const Rayd& bad : {Rayd{{0, 0, 0}, {1, 0, 0}, NAN, 1}, Rayd{{0, 0, 0}, {1, 0, 0}, 0, NAN},
-                          Rayd{{0, 0, 0}, {0, 0, 0}}, Rayd{{NAN, 0, 0}, {1, 0, 0}}})
-    EXPECT_THROW(tree.closest_hit(bad), InvalidInput);
 }
 
 TEST(Solid, PaintsForNoEyeThatIsNone) {
