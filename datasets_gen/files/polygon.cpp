@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "geometry/exact/orientation.hpp"
@@ -21,6 +22,25 @@ bool is_in_line(std::span<const geometry::Vec3f> corners) {
     if (cross(along, to) != Vec3d{}) return false;
   }
   return true;
+}
+
+/// Whether an outline of positive area may be one that does not meet itself: walking around it one turns
+/// around once. Where it turns back on itself nobody says to which side; one that does is given either.
+bool may_turn_once(std::span<const Vec2d> points) {
+  std::vector<Vec2d> sides;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (const Vec2d s = points[(i + 1) % points.size()] - points[i]; s != Vec2d{}) sides.push_back(s);
+  double angle = 0, back = 0;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const Vec2d &p = sides[i], &q = sides[(i + 1) % sides.size()];
+    const double turn = p[0] * q[1] - p[1] * q[0], along = dot(p, q);
+    if (turn == 0 && along < 0)
+      ++back;
+    else
+      angle += std::atan2(turn, along);
+  }
+  constexpr double pi = std::numbers::pi;
+  return std::abs(angle - 2 * pi) < (back + 0.5) * pi;
 }
 
 /// A polygon in the plane that turns counter-clockwise, whose ears are cut off one by one.
@@ -95,6 +115,7 @@ std::optional<Filling> fill_polygon(std::span<const geometry::Vec3f> corners) {
   std::vector<Vec2d> flat;
   for (const auto& p : corners)
     flat.push_back(normal[axis] > 0 ? Vec2d{double(p[u]), double(p[v])} : Vec2d{double(p[v]), double(p[u])});
+  if (!may_turn_once(flat)) return std::nullopt;
   // A fan fills what lies around its first corner in order: each of its triangles then looks the same way.
   const auto turn = [&](std::size_t a, std::size_t b, std::size_t c) {
     return geometry::orientation(flat[a], flat[b], flat[c]);

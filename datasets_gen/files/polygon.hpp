@@ -22,7 +22,8 @@ using Filling = std::vector<std::array<std::size_t, 3>>;
 inline constexpr std::size_t most_concave_corners = 1000;
 
 /// n - 2 triangles, those of a fan where that will do (convex, on a
-/// line, or not finite). None where there is no way: the outline crosses itself, or has too many corners.
+/// line, or not finite). None where there is no way: the outline crosses itself or goes around
+/// twice, or has too many corners.
 std::optional<Filling> fill_polygon(std::span<const geometry::Vec3f> corners);
 /// From the first corner to all others.
 Filling fan(std::size_t corners);

@@ -387,6 +387,18 @@ TEST_F(Reading, FillsPolygonsThatAreNotConvex) {
   ASSERT_EQ(bow.notes.size(), 1u);
   EXPECT_NE(bow.notes[0].find("1 polygon crosses itself"), std::string::npos) << bow.notes[0];
   EXPECT_NE(bow.notes[0].find("the first is face 1"), std::string::npos) << bow.notes[0];
+  // Outlines that go around twice: a square's, a star of five corners, and a loop within a loop.
+  for (const char* twice :
+       {"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4 5 6 7 8\n",
+        "v 0 10 0\nv -6 -8 0\nv 9.5 3 0\nv -9.5 3 0\nv 6 -8 0\nf 1 2 3 4 5\n",
+        "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nv 1 1 0\nv 5 1 0\nv 5 5 0\nv 1 5 0\nf 1 2 3 4 5 6 7 8\n"})
+    EXPECT_EQ(read(put("twice.obj", twice)).notes.size(), 1u) << twice;
+  // One with a hole, along a bridge, goes around once. (OpenMesh drops corners of one index.)
+  const Dataset framed = read(put("framed.obj",
+                                  "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nv 0 0 0\nv 1 1 0\nv 1 5 0\nv 5 5 0\n"
+                                  "v 5 1 0\nv 1 1 0\nf 1 2 3 4 5 6 7 8 9 10\n"));
+  EXPECT_TRUE(framed.notes.empty());
+  EXPECT_NEAR(areas(framed.mesh).first, 81 - 16, 1e-4);
 }
 
 }  // namespace
