@@ -45,8 +45,10 @@ std::string describe(std::size_t number, const geometry::Vec3f& q, const TrueClo
     return fmt::format("triangle {} at {:.9g}", primitive, distance);
   };
   const double answered = geometry::length(geometry::Vec3d(q) - answer.point);
-  return fmt::format("query {} at ({}, {}, {}): {}, answered {}, true is {}", number, q[0], q[1], q[2],
-                     to_string(verdict), place(answer.primitive, answered),
+  const std::string told =
+      verdict == Verdict::wrong_distance ? fmt::format(", told {:.9g}", std::sqrt(answer.distance2)) : "";
+  return fmt::format("query {} at ({}, {}, {}): {}, answered {}{}, true is {}", number, q[0], q[1], q[2],
+                     to_string(verdict), place(answer.primitive, answered), told,
                      place(truth.primitive, std::sqrt(truth.distance2)));
 }
 
@@ -105,7 +107,8 @@ Errors ClosestPointBlock::check(std::size_t m, const Subject& subject, std::size
   const PointSet& set = input_.sets[query_set];
   const Truth& truth = truth_of(query_set);
   const Method& method = methods_[m];
-  const Promise promise{method.info.claim, method.roundoff, method.names_triangles};
+  const Promise promise{method.info.claim, method.roundoff, method.names_triangles,
+                        answered.answers.in_float()};
 
   Tally tally;
   Errors result;

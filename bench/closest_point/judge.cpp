@@ -23,6 +23,20 @@ constexpr double much = 1e-6;  // over the diagonal
 double largest(const Vec3d& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
 double largest(const Triangle3d& t) { return std::max({largest(t.a), largest(t.b), largest(t.c)}); }
 
+using Float = std::numeric_limits<float>;
+
+/// Half the distance of neighbouring numbers of a method at a coordinate: of float's it stops to shrink.
+double rounding(double at, const Promise& promise) {
+  return std::max(promise.roundoff * at, promise.in_float ? double(Float::denorm_min()) / 2 : 0.0);
+}
+/// Whether a squared distance is that of `distance` but for the slack, or for leaving the range of float.
+bool is_square(double distance2, double distance, double slack, bool in_float) {
+  if (std::abs(std::sqrt(distance2) - distance) <= slack) return true;
+  const double true2 = distance * distance;
+  return in_float && (std::abs(distance2 - true2) <= 4 * double(Float::denorm_min()) ||
+                      (true2 > double(Float::max()) && distance2 > double(Float::max())));
+}
+
 }  // namespace
 
 Judge::Judge(const geometry::Mesh3f& mesh) : mesh_(mesh) {
@@ -50,12 +64,14 @@ Judged Judge::operator()(const geometry::Vec3f& query, const TrueClosest& truth,
   const Vec3d q(query);
   const double distance = std::sqrt(truth.distance2);
   const Triangle3d nearest(mesh_.triangle(truth.primitive));
-  double reach = std::max(largest(q), largest(nearest));
+  // How far it is does not depend on what a method names instead of the nearest.
+  const double reach = std::max(largest(q), largest(nearest));
+  double reach_of_named = reach;
   if (promise.names_triangles) {
     if (answer.primitive >= mesh_.size() || !geometry::is_finite(mesh_.triangle(answer.primitive)))
       return failed(Verdict::no_triangle);
     const Triangle3d named(mesh_.triangle(answer.primitive));
-    reach = std::max(reach, largest(named));
+    reach_of_named = std::max(reach, largest(named));
     // Exactly: of slivers even double does not tell whether a point is on them.
     judged.off_triangle = std::sqrt(geometry::exact_distance2(answer.point, named)) / diagonal_;
     if (answer.primitive != truth.primitive) {
@@ -71,21 +87,26 @@ Judged Judge::operator()(const geometry::Vec3f& query, const TrueClosest& truth,
   if (std::isnan(judged.relative)) judged.relative = 1;
 
   if (promise.claim == Claim::approximate || promise.claim == Claim::stochastic) {
-    const double limit = std::max(no_approximation, bounded_slack * promise.roundoff * reach / diagonal_);
-    if (promise.names_triangles && !(judged.error <= limit))
+    const double limit =
+        std::max(no_approximation, bounded_slack * rounding(reach_of_named, promise) / diagonal_);
+    if (!promise.names_triangles) return judged;
+    if (!(judged.error <= limit))
       judged.verdict = judged.off_triangle > limit ? Verdict::off_triangle : Verdict::wrong_distance;
+    else if (!is_square(answer.distance2, distance, limit * diagonal_, promise.in_float))
+      judged.verdict = Verdict::wrong_distance;
     return judged;
   }
   if (promise.claim == Claim::exact && judged.farther)
     judged.verdict = Verdict::farther_triangle;
   else if (promise.claim == Claim::exact && answer.distance2 != truth.distance2)
     judged.verdict = Verdict::wrong_distance;
-  // Answers are compared in floats' own spacing even where it is coarse: of subnormals it does not shrink.
-  const double slack =
-      (promise.claim == Claim::exact ? exact_slack : bounded_slack) * promise.roundoff * reach +
-      (promise.roundoff > 1e-10 ? 4 * double(std::numeric_limits<float>::denorm_min()) : 0);
+  const double roundings = promise.claim == Claim::exact ? exact_slack : bounded_slack;
+  const double slack = roundings * rounding(reach, promise);
+  if (promise.claim == Claim::bounded && !is_square(answer.distance2, distance, slack, promise.in_float))
+    judged.verdict = Verdict::wrong_distance;
   if (!(std::abs(judged.signed_error) * diagonal_ <= slack)) judged.verdict = Verdict::wrong_distance;
-  if (!(judged.off_triangle * diagonal_ <= slack)) judged.verdict = Verdict::off_triangle;
+  if (!(judged.off_triangle * diagonal_ <= roundings * rounding(reach_of_named, promise)))
+    judged.verdict = Verdict::off_triangle;
   return judged;
 }
 

@@ -13,7 +13,7 @@ enum class Verdict {
   missing,          // no answer where there is one
   surplus,          // an answer where there is none: an empty mesh, or a query that is not finite
   no_triangle,      // names a triangle that the mesh does not have or that is not finite
-  wrong_distance,   // the point answered is nearer or farther than the claim allows
+  wrong_distance,   // the point answered, or the distance, is nearer or farther than the claim allows
   off_triangle,     // the point answered is farther off the triangle named than the claim allows
   farther_triangle  // of exact methods: another triangle is nearer, as far as double can tell
 };
@@ -36,6 +36,7 @@ struct Promise {
   Claim claim = Claim::exact;
   double roundoff = 0;
   bool names_triangles = true;
+  bool in_float = false;  // its answers are floats: what they hold at most, and how near they are at least
 };
 
 class Judge {

@@ -53,6 +53,7 @@ class Answers {
         },
         all_);
   }
+  bool in_float() const { return all_.index() == 0; }
 
  private:
   std::variant<std::vector<accel::ClosestPoint<float>>, std::vector<accel::ClosestPoint<double>>> all_;

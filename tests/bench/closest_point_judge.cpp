@@ -109,6 +109,51 @@ TEST(ClosestPointJudge, ExactMethodsTellTheDistanceToTheLastDigit) {
   EXPECT_EQ(judged(above, a, bounded).verdict, Verdict::right) << "of others the point is judged";
 }
 
+TEST(ClosestPointJudge, HoldsTheDistanceThatIsTold) {
+  for (const Promise& promise : {bounded, in_double, approximate}) {
+    Answer a = answer({0.75, 0.25, 0}, 0, above);
+    for (const double wrong : {1.5, 0.25, 0.0, double(INFINITY), double(NAN)}) {
+      a.distance2 = wrong;
+      EXPECT_EQ(judged(above, a, promise).verdict, Verdict::wrong_distance) << wrong;
+    }
+  }
+  // Far away squares leave the range of float, and near by: then float alone may say infinity, or nothing.
+  const Promise in_float{Claim::bounded, u, true, true};
+  for (const auto& [scale, square] : {std::pair{1e25f, double(INFINITY)}, std::pair{1e-25f, 0.0}}) {
+    const Mesh3f one{{{0, 0, 0}, {scale, 0, 0}, {0, scale, 0}}, {{0, 1, 2}}};
+    const Vec3f query{scale / 4, scale / 4, scale};
+    const TrueClosest truth = true_closest(one, std::vector{query}, 1)[0];
+    const Answer a{square, 0, accel::Feature::face, {double(query[0]), double(query[1]), 0}};
+    EXPECT_EQ(Judge(one)(query, truth, a, in_float).verdict, Verdict::right) << scale;
+    EXPECT_EQ(Judge(one)(query, truth, a, bounded).verdict, Verdict::wrong_distance) << scale;
+  }
+}
+
+// A triangle of large coordinates that is named instead of the nearest allows no more.
+TEST(ClosestPointJudge, AFarTriangleIsNoExcuse) {
+  const Mesh3f two{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 3}, {1e9f, 0, 3}, {0, 1e9f, 3}},
+                   {{0, 1, 2}, {3, 4, 5}}};
+  const Vec3f query{0.25f, 0.25f, 1};
+  const TrueClosest truth = true_closest(two, std::vector{query}, 1)[0];
+  EXPECT_EQ(Judge(two)(query, truth, answer({0.25, 0.25, 3}, 1, query), bounded).verdict,
+            Verdict::wrong_distance);
+}
+
+// Where floats are no nearer to each other, a float may be so many steps off, and a double may not.
+TEST(ClosestPointJudge, KnowsTheSpacingOfTheSmallestFloats) {
+  const float s = 1e-42f, step = std::numeric_limits<float>::denorm_min();
+  const Mesh3f one{{{0, 0, 0}, {s, 0, 0}, {0, s, 0}}, {{0, 1, 2}}};
+  const Vec3f query{s / 4, s / 4, s};
+  const TrueClosest truth = true_closest(one, std::vector{query}, 1)[0];
+  const Promise in_float{Claim::bounded, u, true, true};
+  for (const auto& [steps, of_float] :
+       {std::pair{10, Verdict::right}, std::pair{100, Verdict::off_triangle}}) {
+    const Answer a = answer({double(query[0]), double(query[1]), steps * double(step)}, 0, query);
+    EXPECT_EQ(Judge(one)(query, truth, a, in_float).verdict, of_float) << steps;
+    EXPECT_EQ(Judge(one)(query, truth, a, bounded).verdict, Verdict::off_triangle) << steps;
+  }
+}
+
 TEST(ClosestPointJudge, TellsAnswersThatAreNone) {
   EXPECT_EQ(judged(above, {}, approximate).verdict, Verdict::missing);
   EXPECT_EQ(judged(above, {}, approximate).error, 1);
