@@ -9,10 +9,13 @@
 // wide_woop.hpp do, rounding for rounding; a ray for which these would ask for exact products, or whose
 // direction has a component of (almost) nothing, is cast by itself into the wide tree, which this holds as
 // well and which answers all else: single rays, other instruction sets than AVX-512, small batches, and
-// scenes of more than `most_triangles`. All answers are those of the wide tree. Cost: two trees in memory.
-// Known weakness: rays of a list are not sorted front to back, and lists get shorter the deeper the tree is:
-// with leaves of a few rays each, which more triangles bring about, lanes stay empty.
+// scenes of more than `most_triangles`; in rooms, its batches go down one of leaves half as large. All
+// answers are those of the wide tree. Cost: two or three trees in memory. Known weakness: rays of a list are
+// not sorted front to back, and lists get shorter the deeper the tree is: with leaves of a few rays each,
+// which more triangles bring about, lanes stay empty.
 #pragma once
+
+#include <optional>
 
 #include "accel/bvh/build_binned.hpp"
 #include "accel/bvh/triangle_input.hpp"
@@ -32,7 +35,11 @@ class RayWaves {
   /// Above it, batches go to the wide tree. Measured in rooms, on what paths do after their first hit: with
   /// 34 triangles a ray takes half the wide tree's time, with 300 about as much, with 2400 a quarter more.
   static constexpr std::size_t most_triangles = 500;
-  /// A batch of fewer rays goes there, too.
+  /// Up to here leaves of four triangles serve batches better than those of eight: with AVX2, rays take 2, 10
+  /// and 5 % less and shadow rays 7, 15 and 10 % less with 58, 378 and 818 triangles, 5 and 10 % more with
+  /// 4900.
+  static constexpr std::size_t most_in_small_leaves = 1500;
+  /// A batch of fewer rays goes to the wide tree, too.
   static constexpr std::size_t least_rays = 64;
 
   /// Throws as the wide tree does.
@@ -49,12 +56,15 @@ class RayWaves {
     return tree_.any_hit(ray, work);
   }
   void closest_hit(std::span<const Ray> rays, std::span<Hit<float>> hits, int threads) const;
+  /// As the wide tree's: u and v are 0.
+  void closest_face(std::span<const Ray> rays, std::span<Hit<float>> hits, int threads) const;
   void any_hit(std::span<const Ray> rays, std::span<std::uint8_t> answers, int threads) const;
 
   const Tree& tree() const { return tree_; }
   std::size_t size() const { return tree_.size(); }
   std::size_t bytes() const {
-    return tree_.bytes() + nodes_.capacity() * sizeof(BinaryNode) + corners_.capacity() * sizeof(Corners);
+    return tree_.bytes() + (small_ ? small_->bytes() : 0) + nodes_.capacity() * sizeof(BinaryNode) +
+           corners_.capacity() * sizeof(Corners);
   }
   TreeStats stats() const { return tree_.stats(); }
 
@@ -65,11 +75,22 @@ class RayWaves {
   };
   class Wave;
 
-  template <bool any, class Finish, class Alone>
+  template <class F>
+  void in_tree(F&& f) const {
+    if (small_)
+      f(*small_);
+    else
+      f(tree_);
+  }
+
+  /// What is asked of a hit.
+  enum class Ask { weights, face, any };
+  template <Ask ask, class Finish, class Alone>
   void cast(std::span<const Ray> rays, std::size_t begin, std::size_t end, Finish&& finish,
             Alone&& alone) const;
 
   Tree tree_;
+  std::optional<Bvh<Triangles<float, geometry::Watertight>, WideOf<8, 4>>> small_;
   Point centre_{};
   Box bounds_{};
   std::vector<BinaryNode> nodes_;  // none: all goes to the wide tree
@@ -77,6 +98,7 @@ class RayWaves {
 };
 
 inline RayWaves::RayWaves(const geometry::Mesh<float>& mesh, const Options& options) : tree_(mesh, options) {
+  if (mesh.size() <= most_in_small_leaves) small_.emplace(mesh, options);
   if (TREELINE_SIMD != 512 || mesh.size() > most_triangles) return;
   const TriangleInput input(mesh, options.non_finite, options.threads);
   if (input.place().scale.scales()) return;
@@ -110,7 +132,7 @@ class RayWaves::Wave {
 
   /// Casts those of the rays whose numbers are listed; at most as many as there is room for. finish(number,
   /// hit), or doubt(number) for one that has to be cast by itself.
-  template <bool any, class Finish, class Doubt>
+  template <Ask ask, class Finish, class Doubt>
   void cast(std::span<const Ray> rays, std::span<const std::uint32_t> numbers, int axis, Finish&& finish,
             Doubt&& doubt) {
     axes_[0] = (axis + 1) % 3, axes_[1] = (axis + 2) % 3, axes_[2] = axis;
@@ -118,16 +140,16 @@ class RayWaves::Wave {
     prepare(rays, numbers);
     lists_.resize(std::max(lists_.size(), 4 * room_));
     for (std::size_t i = 0; i < size_; ++i) lists_[i] = static_cast<std::uint32_t>(i);
-    if (size_ > 0) visit<any>(0, 0, size_, size_);
-    if (!any) weigh();
+    if (size_ > 0) visit<ask == Ask::any>(0, 0, size_, size_);
+    if (ask == Ask::weights) weigh();
     for (std::size_t i = 0; i < size_; ++i) {
       if (doubtful_[i] != 0) {
         doubt(numbers[i]);
         continue;
       }
       Hit<float> hit;
-      if (best_[i] != none)
-        hit = {values_[limit][i], waves_.corners_[best_[i]].id, values_[weight_b][i], values_[weight_c][i]};
+      if (best_[i] != none) hit.t = values_[limit][i], hit.primitive = waves_.corners_[best_[i]].id;
+      if (best_[i] != none && ask == Ask::weights) hit.u = values_[weight_b][i], hit.v = values_[weight_c][i];
       finish(numbers[i], hit);
     }
   }
@@ -356,7 +378,7 @@ class RayWaves::Wave {
   std::vector<std::uint32_t> lists_;
 };
 
-template <bool any, class Finish, class Alone>
+template <RayWaves::Ask ask, class Finish, class Alone>
 void RayWaves::cast(std::span<const Ray> rays, std::size_t begin, std::size_t end, Finish&& finish,
                     Alone&& alone) const {
   constexpr float slow = 1e-15f,
@@ -393,25 +415,41 @@ void RayWaves::cast(std::span<const Ray> rays, std::size_t begin, std::size_t en
   for (std::size_t i = 0; i < sizes[3]; ++i) alone(numbers[3][i]);
   Wave wave(*this, std::max({sizes[0], sizes[1], sizes[2]}));
   for (int axis = 0; axis < 3; ++axis)
-    wave.cast<any>(rays, std::span<const std::uint32_t>(numbers[axis].data(), sizes[axis]), axis, finish,
+    wave.cast<ask>(rays, std::span<const std::uint32_t>(numbers[axis].data(), sizes[axis]), axis, finish,
                    alone);
 }
 
 inline void RayWaves::closest_hit(std::span<const Ray> rays, std::span<Hit<float>> hits, int threads) const {
-  if (nodes_.empty() || rays.size() < least_rays) return tree_.closest_hit(rays, hits, threads);
+  if (nodes_.empty() || rays.size() < least_rays)
+    return in_tree([&](const auto& tree) { tree.closest_hit(rays, hits, threads); });
   check_rays(rays, hits.size());
   parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
-    cast<false>(
+    cast<Ask::weights>(
         rays, begin, end, [&](std::size_t i, const Hit<float>& hit) { hits[i] = hit; },
         [&](std::size_t i) { hits[i] = tree_.closest_hit(rays[i]); });
   });
 }
 
+inline void RayWaves::closest_face(std::span<const Ray> rays, std::span<Hit<float>> hits, int threads) const {
+  if (nodes_.empty() || rays.size() < least_rays)
+    return in_tree([&](const auto& tree) { tree.closest_face(rays, hits, threads); });
+  check_rays(rays, hits.size());
+  parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
+    cast<Ask::face>(
+        rays, begin, end, [&](std::size_t i, const Hit<float>& hit) { hits[i] = hit; },
+        [&](std::size_t i) {
+          hits[i] = tree_.closest_hit(rays[i]);
+          hits[i].u = hits[i].v = 0;
+        });
+  });
+}
+
 inline void RayWaves::any_hit(std::span<const Ray> rays, std::span<std::uint8_t> answers, int threads) const {
-  if (nodes_.empty() || rays.size() < least_rays) return tree_.any_hit(rays, answers, threads);
+  if (nodes_.empty() || rays.size() < least_rays)
+    return in_tree([&](const auto& tree) { tree.any_hit(rays, answers, threads); });
   check_rays(rays, answers.size());
   parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
-    cast<true>(
+    cast<Ask::any>(
         rays, begin, end, [&](std::size_t i, const Hit<float>& hit) { answers[i] = hit ? 1 : 0; },
         [&](std::size_t i) { answers[i] = tree_.any_hit(rays[i]) ? 1 : 0; });
   });
@@ -422,10 +460,13 @@ inline void RayWaves::any_hit(std::span<const Ray> rays, std::span<std::uint8_t>
 #else
 
 inline void RayWaves::closest_hit(std::span<const Ray> rays, std::span<Hit<float>> hits, int threads) const {
-  tree_.closest_hit(rays, hits, threads);
+  in_tree([&](const auto& tree) { tree.closest_hit(rays, hits, threads); });
+}
+inline void RayWaves::closest_face(std::span<const Ray> rays, std::span<Hit<float>> hits, int threads) const {
+  in_tree([&](const auto& tree) { tree.closest_face(rays, hits, threads); });
 }
 inline void RayWaves::any_hit(std::span<const Ray> rays, std::span<std::uint8_t> answers, int threads) const {
-  tree_.any_hit(rays, answers, threads);
+  in_tree([&](const auto& tree) { tree.any_hit(rays, answers, threads); });
 }
 
 #endif

@@ -98,20 +98,12 @@ class Bvh<Triangles<float, Policy>, Name>
   }
   void closest_hit(std::span<const Ray> rays, std::span<Hit<float>> hits, int threads,
                    RayBatch how = RayBatch::automatic) const {
-    check_rays(rays, hits.size());
-    parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
-      NoWork work;
-      if (flies(how))
-        fly_closest(rays, hits, begin, end);
-      else if (walks(how))
-        walk<false>(
-            rays, begin, end, [&](std::size_t i) { hits[i] = closest(rays[i], work); },
-            [&](const Test& test, const NearestHit& best, std::size_t i, int shift, bool) {
-              hits[i] = answer(rays[i], shift, test, best);
-            });
-      else
-        for (std::size_t i = begin; i < end; ++i) hits[i] = closest(rays[i], work);
-    });
+    closest_hits<true>(rays, hits, threads, how);
+  }
+  /// The same without the weights: u and v are 0. For whom the face and its distance are enough.
+  void closest_face(std::span<const Ray> rays, std::span<Hit<float>> hits, int threads,
+                    RayBatch how = RayBatch::automatic) const {
+    closest_hits<false>(rays, hits, threads, how);
   }
 
   bool any_hit(const Ray& ray) const {
@@ -251,7 +243,24 @@ class Bvh<Triangles<float, Policy>, Name>
       return f(ray, place_.scaled_centre, shift);
     }
   }
-  template <class W>
+  template <bool weights>
+  void closest_hits(std::span<const Ray> rays, std::span<Hit<float>> hits, int threads, RayBatch how) const {
+    check_rays(rays, hits.size());
+    parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
+      NoWork work;
+      if (flies(how))
+        fly_closest<weights>(rays, hits, begin, end);
+      else if (walks(how))
+        walk<false>(
+            rays, begin, end, [&](std::size_t i) { hits[i] = closest<weights>(rays[i], work); },
+            [&](const Test& test, const NearestHit& best, std::size_t i, int shift, bool) {
+              hits[i] = answer<weights>(rays[i], shift, test, best);
+            });
+      else
+        for (std::size_t i = begin; i < end; ++i) hits[i] = closest<weights>(rays[i], work);
+    });
+  }
+  template <bool weights = true, class W>
   Hit<float> closest(const Ray& given, W& work) const {
     if (tree_.root == wide::no_ref) return {};
     return placed(given, [&](const auto& ray, const Point& centre, int shift) {
@@ -259,9 +268,10 @@ class Bvh<Triangles<float, Policy>, Name>
       const Test test(ray, centre, place_.bounds, box_ray.reach);
       NearestHit best{end_of(ray)};
       wide::closest(tree_.lines.data(), tree_.root, box_ray, test, best, work);
-      return answer(given, shift, test, best);
+      return answer<weights>(given, shift, test, best);
     });
   }
+  template <bool weights = true>
   static Hit<float> answer(const Ray& given, int shift, const Test& test, const NearestHit& best) {
     Hit<float> hit;
     if (best.id == no_id) return hit;
@@ -273,7 +283,7 @@ class Bvh<Triangles<float, Policy>, Name>
     else
       hit.t = TriangleScale<float>::unscaled_t(best.t, shift, given);
     hit.primitive = best.id;
-    test.weights(leaf, best.lane, hit.u, hit.v);
+    if constexpr (weights) test.weights(leaf, best.lane, hit.u, hit.v);
     return hit;
   }
   template <class W>
@@ -318,12 +328,13 @@ class Bvh<Triangles<float, Policy>, Name>
       if (!packet.empty()) go();
     }
   }
+  template <bool weights>
   void fly_closest(std::span<const Ray> rays, std::span<Hit<float>> hits, std::size_t begin,
                    std::size_t end) const {
     wide::fly<wide::ClosestFlight<Layout, Test>>(
         tree_.lines.data(), begin, end, [&](auto& flight, std::size_t i) { start(flight, rays[i], i); },
         [&](const auto& flight) {
-          hits[flight.index] = answer(rays[flight.index], flight.shift, flight.test, flight.best);
+          hits[flight.index] = answer<weights>(rays[flight.index], flight.shift, flight.test, flight.best);
         });
   }
   void fly_any(std::span<const Ray> rays, std::span<std::uint8_t> answers, std::size_t begin,

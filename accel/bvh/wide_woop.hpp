@@ -29,7 +29,12 @@ class WoopTest {
   WoopTest(const geometry::Ray<float>& ray, const geometry::Vec<float, 3>& centre,
            const geometry::Box<float, 3>& /*bounds*/, float reach)
       : slack_(mean_slack * reach + std::numeric_limits<float>::min()) {
-    const int z = largest_axis(ray.direction), axes[3] = {(z + 1) % 3, (z + 2) % 3, z};
+    // largest_axis() without its branches, which nobody can foresee.
+    const float size[3] = {std::abs(ray.direction[0]), std::abs(ray.direction[1]),
+                           std::abs(ray.direction[2])};
+    const int z = size[2] > std::max(size[0], size[1]) ? 2 : size[1] > size[0] ? 1 : 0;
+    constexpr int next[4] = {1, 2, 0, 1};
+    const int axes[3] = {next[z], next[z + 1], z};
     for (int k = 0; k < 3; ++k) {
       axis_[k] = static_cast<std::uint32_t>(axes[k]) * row;
       origin_[k] = ray.origin[axes[k]] - centre[axes[k]];

@@ -4,6 +4,7 @@
 // wide enough a sorting network does it without a branch (Batcher 1968), else one after the other.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 
@@ -30,6 +31,19 @@ struct FloatsOf<16> {
 template <int N>
 using Floats = typename FloatsOf<N>::Type;
 
+#if TREELINE_SIMD == 256
+namespace detail {
+/// For each of 256 sets of lanes: their numbers, in order, a byte each.
+inline constexpr std::array<std::uint64_t, 256> lanes_of = [] {
+  std::array<std::uint64_t, 256> all{};
+  for (std::uint32_t set = 0; set < 256; ++set)
+    for (std::uint32_t lane = 0, at = 0; lane < 8; ++lane)
+      if ((set >> lane & 1) != 0) all[set] |= std::uint64_t{lane} << (8 * at++);
+  return all;
+}();
+}  // namespace detail
+#endif
+
 /// Writes those of N items whose bit is set, in order, and returns how many; room for all N is needed.
 template <int N>
 int store_chosen(std::uint32_t bits, const std::uint32_t* items, std::uint32_t* out) {
@@ -48,6 +62,16 @@ int store_chosen(std::uint32_t bits, const std::uint32_t* items, std::uint32_t* 
                         _mm512_maskz_compress_epi32(static_cast<__mmask16>(bits), _mm512_loadu_si512(items)));
   return std::popcount(bits);
 #else
+#if TREELINE_SIMD == 256
+  if constexpr (N == 8) {
+    const __m256i lanes =
+        _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<long long>(detail::lanes_of[bits])));
+    _mm256_storeu_si256(
+        reinterpret_cast<__m256i*>(out),
+        _mm256_permutevar8x32_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(items)), lanes));
+    return std::popcount(bits);
+  }
+#endif
   int count = 0;
   for (; bits != 0; bits &= bits - 1) out[count++] = items[std::countr_zero(bits)];
   return count;

@@ -28,6 +28,15 @@ struct EmitterSample {
   float pdf_area = 0;        ///< 1 / m², the choice of the face included
 };
 
+/// As Emitters keeps it.
+struct EmittingFace {
+  geometry::Triangle3f corners;
+  geometry::Vec3f normal;
+  Rgb emission;
+  float pdf_area;
+  std::uint32_t face;
+};
+
 /// A face alone, drawn by one number of which a part is left to draw from.
 struct EmitterChoice {
   std::uint32_t face = 0;
@@ -48,11 +57,13 @@ class Emitters {
 
   /// choice, u, v in [0, 1): of the face, of the point on it. Not to be called where empty().
   EmitterSample sample(double choice, float u, float v) const {
-    const Face& f = faces_[place_of(choice)];
+    const EmittingFace& f = face_of(choice);
     const geometry::Vec3f w = geometry::sample_triangle(u, v);
     return {f.face, f.corners.a * w[0] + f.corners.b * w[1] + f.corners.c * w[2], f.normal, f.emission,
             f.pdf_area};
   }
+  /// The face that sample() takes.
+  const EmittingFace& face_of(double choice) const { return faces_[place_of(choice)]; }
   EmitterChoice choose(double choice) const {
     const std::size_t i = place_of(choice);
     const double before = i > 0 ? sums_[i - 1] : 0, probability = sums_[i] - before;
@@ -67,14 +78,6 @@ class Emitters {
   geometry::Vec3d power() const { return power_; }
 
  private:
-  struct Face {
-    geometry::Triangle3f corners;
-    geometry::Vec3f normal;
-    Rgb emission;
-    float pdf_area;
-    std::uint32_t face;
-  };
-
   std::size_t place_of(double choice) const {
     const std::size_t n = faces_.size();
     std::size_t i = guesses_[std::min(n - 1, static_cast<std::size_t>(choice * static_cast<double>(n)))];
@@ -82,7 +85,7 @@ class Emitters {
     return i;
   }
 
-  std::vector<Face> faces_;
+  std::vector<EmittingFace> faces_;
   std::vector<double> sums_;            // of the probabilities, up to and with each of faces_
   std::vector<std::uint32_t> guesses_;  // the first of faces_ that a choice of i / size() or more may mean
   std::vector<float> pdf_area_;         // for each face of the scene

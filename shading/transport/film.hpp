@@ -54,7 +54,7 @@ class Film {
     const double y = static_cast<double>(bright) - static_cast<double>(p.first);
     p.power1 += y, p.power2 += y * y, p.power3 += y * y * y, p.power4 += y * y * (y * y);
     p.largest = std::max(p.largest, bright);
-    if (p.samples % static_cast<std::uint64_t>(set_) != 0) return;
+    if (set_ > 1 && p.samples % static_cast<std::uint64_t>(set_) != 0) return;
     for (int k = 0; k < 3; ++k) {
       const double of_set = p.sum[k] - p.closed[k];
       p.squares[k] += of_set * of_set, p.closed[k] = p.sum[k];

@@ -6,12 +6,14 @@
 // (Arvo and Kirk 1990), after the light that was drawn has been added, and all that comes later is divided by
 // the probability. Every choice of options has the same mean. Paths advance in waves, all by one surface
 // before any of them by the next (van Antwerpen 2011), so that a tree gets rays by the thousand. Cost: two
-// rays a surface, and 190 bytes a path in a wave. Known weakness: light that reaches a surface through glass
+// rays a surface, and 150 bytes a path in a wave. Known weakness: light that reaches a surface through glass
 // or a mirror only (caustics) of a small emitter is met by chance alone.
 #pragma once
 
 #include <atomic>
+#include <bit>
 #include <span>
+#include <utility>
 
 #include "geometry/sampling.hpp"
 #include "shading/transport/blocks.hpp"
@@ -19,6 +21,7 @@
 #include "shading/transport/camera_rays.hpp"
 #include "shading/transport/cast_ray.hpp"
 #include "shading/transport/cosine_directions.hpp"
+#include "shading/transport/diffuse_tile.hpp"
 #include "shading/transport/path_points.hpp"
 #include "shading/transport/surfaces.hpp"
 
@@ -100,25 +103,22 @@ class PathTracer {
     Rgb light;  // if it is not hidden
     std::uint32_t slot;
   };
-  /// What decides at a surface, for each path of a wave.
-  struct Decisions {
-    explicit Decisions(std::size_t n)
-        : emitter(n), light_u(n), light_v(n), u(n), v(n), choice(n), roulette(n), x(n), y(n), z(n) {}
-
-    std::vector<double> emitter;
-    std::vector<float> light_u, light_v;  // of the point on it
-    std::vector<float> u, v;              // of the next direction
-    std::vector<float> choice, roulette;
-    std::vector<float> x, y, z;  // direction with density cosine / π
+  /// Paths at other surfaces, one by one; but what decides is found for all.
+  struct OtherTile {
+    Ray ray[tile_size];
+    accel::Hit<Scalar> hit[tile_size];
+    Path path[tile_size];
+    std::uint64_t hash[tile_size] = {};
+    std::uint32_t index[tile_size] = {};
+    std::size_t size = 0;
   };
   struct Wave {
     explicit Wave(std::size_t n)
         : rays(n),
           hits(n),
           paths(n),
-          hash(n),
-          index(n),
-          decisions(n),
+          hash(n + tile_size),
+          index(n + tile_size),
           radiance(n),
           shadow_rays(n),
           shadows(n),
@@ -130,12 +130,14 @@ class PathTracer {
     std::vector<Path> paths;
     std::vector<std::uint64_t> hash;  // of their keys
     std::vector<std::uint32_t> index;
-    Decisions decisions;
     std::vector<Rgb> radiance;
     std::vector<Ray> shadow_rays;
     std::vector<Shadow> shadows;
     std::vector<std::uint8_t> hidden;
     std::uint64_t rays_cast = 0, shadow_rays_cast = 0;  // for this block
+    DiffuseTile diffuse;
+    OtherTile other;
+    TileDecisions decisions;
   };
 
   template <class Source>
@@ -149,10 +151,13 @@ class PathTracer {
         wave.paths[i] = {Rgb::filled(1), infinity, static_cast<std::uint32_t>(i)};
         wave.radiance[i] = {};
       }
-    Decisions& d = wave.decisions;
-    points_.pairs(n, wave.hash.data(), wave.index.data(), 0, d.u.data(), d.v.data());
-    for (std::size_t i = 0; i < n; ++i)
-      wave.rays[i] = cast_ray<Ray>(source(block.first_pixel + i / block.samples, d.u[i], d.v[i]));
+    TileDecisions& d = wave.decisions;
+    for (std::size_t p = 0, s = 0, i = 0; i < n; ++i) {
+      const std::size_t lane = i % tile_size;
+      if (lane == 0) points_.pairs(tile_size, &wave.hash[i], &wave.index[i], 0, d.u, d.v);
+      wave.rays[i] = cast_ray<Ray>(source(block.first_pixel + p, d.u[lane], d.v[lane]));
+      if (++s == block.samples) ++p, s = 0;
+    }
   }
 
   void trace(Wave& wave) const {
@@ -162,57 +167,124 @@ class PathTracer {
       if (bounce == 0)
         camera_hits(*index_, rays, hits);
       else
-        index_->closest_hit(rays, hits, 1);
+        face_hits(*index_, rays, hits);
       wave.rays_cast += wave.size;
-      if (bounce < options_.max_bounces) decide(wave, bounce);
       advance(wave, bounce);
       index_->any_hit(std::span<const Ray>(wave.shadow_rays.data(), wave.shadow_size),
                       std::span(wave.hidden.data(), wave.shadow_size), 1);
       wave.shadow_rays_cast += wave.shadow_size;
-      for (std::size_t i = 0; i < wave.shadow_size; ++i)
-        if (!wave.hidden[i]) wave.radiance[wave.shadows[i].slot] += wave.shadows[i].light;
+      for (std::size_t i = 0; i < wave.shadow_size; ++i) {
+        const Shadow& s = wave.shadows[i];
+        const std::uint32_t seen = wave.hidden[i] - 1u;  // all bits or none: nobody can foresee which
+        for (int k = 0; k < 3; ++k)
+          wave.radiance[s.slot][k] += std::bit_cast<float>(std::bit_cast<std::uint32_t>(s.light[k]) & seen);
+      }
     }
   }
 
   bool draws_lights() const { return options_.lights != Lights::none && !surfaces_.emitters().empty(); }
 
-  void decide(Wave& wave, int bounce) const {
+  void decide(const std::uint64_t* hash, const std::uint32_t* index, int bounce, TileDecisions& d) const {
     const std::uint32_t place = 1 + 4 * static_cast<std::uint32_t>(bounce);
-    const std::size_t n = (wave.size + 15) / 16 * 16;  // as cosine_directions() wants
-    const std::uint64_t* const hash = wave.hash.data();
-    const std::uint32_t* const index = wave.index.data();
-    Decisions& d = wave.decisions;
     if (draws_lights()) {
-      points_.numbers(n, hash, index, place, d.emitter.data());
-      points_.pairs(n, hash, index, place + 1, d.light_u.data(), d.light_v.data());
+      points_.numbers(tile_size, hash, index, place, d.emitter);
+      points_.pairs(tile_size, hash, index, place + 1, d.light_u, d.light_v);
     }
-    points_.pairs(n, hash, index, place + 2, d.u.data(), d.v.data());
-    points_.pairs(n, hash, index, place + 3, d.choice.data(), d.roulette.data());
-    if (options_.directions != Directions::uniform)
-      cosine_directions(n, d.u.data(), d.v.data(), d.x.data(), d.y.data(), d.z.data());
+    points_.pairs(tile_size, hash, index, place + 2, d.u, d.v);
+    points_.pairs(tile_size, hash, index, place + 3, d.choice, d.roulette);
+    if (options_.directions != Directions::uniform) cosine_directions(tile_size, d.u, d.v, d.x, d.y, d.z);
   }
 
   /// Every path takes what its hit emits, asks for a point of the emitters, and goes on or ends.
   void advance(Wave& wave, int bounce) const {
     const std::size_t n = wave.size;
+    const bool tiles = options_.directions != Directions::uniform;
+    DiffuseTile& diffuse = wave.diffuse;
+    OtherTile& other = wave.other;
     wave.size = wave.shadow_size = 0;
     for (std::size_t i = 0; i < n; ++i) {
       const accel::Hit<Scalar> hit = wave.hits[i];
-      Path path = wave.paths[i];
+      const Path& path = wave.paths[i];
       if (!hit) {
         wave.radiance[path.slot] += times(path.throughput, surfaces_.background());
         continue;
       }
-      const Vec3f origin(wave.rays[i].origin), direction(wave.rays[i].direction);
+      const Vec3f direction(wave.rays[i].direction);
       const float t = static_cast<float>(hit.t);
-      const Vertex at = surfaces_.meet(origin, direction, t, hit.primitive);
+      const Surfaces::Side at = surfaces_.side(direction, hit.primitive);
       if (at.material->emits && at.cosine > 0)
         wave.radiance[path.slot] +=
             times(path.throughput, at.material->emission) * met_weight(path.pdf, hit.primitive, t, at.cosine);
       if (bounce == options_.max_bounces) continue;
+      if (tiles && at.material->kind == SurfaceKind::diffuse) {
+        const std::size_t lane = diffuse.size++;
+        const Vec3f point = Vec3f(wave.rays[i].origin) + direction * t;
+        const Rgb reflected = times(path.throughput, at.material->albedo);
+        for (int k = 0; k < 3; ++k) {
+          diffuse.point[k][lane] = point[k], diffuse.normal[k][lane] = at.normal[k];
+          diffuse.throughput[k][lane] = reflected[k];
+        }
+        diffuse.hash[lane] = wave.hash[i], diffuse.index[lane] = wave.index[i];
+        diffuse.slot[lane] = path.slot;
+        if (diffuse.size == tile_size) reflect(wave, diffuse, bounce);
+      } else {
+        const std::size_t lane = other.size++;
+        other.ray[lane] = wave.rays[i], other.hit[lane] = hit, other.path[lane] = path;
+        other.hash[lane] = wave.hash[i], other.index[lane] = wave.index[i];
+        if (other.size == tile_size) reflect(wave, other, bounce);
+      }
+    }
+    if (diffuse.size > 0) reflect(wave, diffuse, bounce);
+    if (other.size > 0) reflect(wave, other, bounce);
+  }
+
+  void reflect(Wave& wave, DiffuseTile& at, int bounce) const {
+    TileDecisions& d = wave.decisions;
+    decide(at.hash, at.index, bounce, d);
+    const std::size_t n = std::exchange(at.size, 0);
+    const auto vector = [](const auto& v, std::size_t i) { return Vec3f{v[0][i], v[1][i], v[2][i]}; };
+    if (draws_lights()) {
+      LampSegments to;
+      draw_lamps(surfaces_, at, d, options_.lights == Lights::mis, to);
+      std::size_t shadows = wave.shadow_size;
+      for (std::size_t i = 0; i < n; ++i) {
+        const Rgb light = vector(to.light, i);
+        wave.shadow_rays[shadows] = cast_ray<Ray>({vector(to.from, i), vector(to.way, i), 0.0f, 1.0f});
+        wave.shadows[shadows] = {light, at.slot[i]};
+        shadows += largest(light) > 0 ? 1 : 0;
+      }
+      wave.shadow_size = shadows;
+    }
+    TileRays rays;
+    leave(surfaces_, at, d, rays);
+    std::size_t size = wave.size;
+    for (std::size_t i = 0; i < n; ++i) {
+      Rgb throughput = vector(at.throughput, i);
+      bool lives = largest(throughput) > 0;
+      if (options_.survival && lives) {
+        const float survives = options_.survival(bounce, throughput);
+        lives = d.roulette[i] < survives;
+        throughput = throughput / std::min(1.0f, survives);
+      }
+      wave.rays[size] = cast_ray<Ray>({vector(rays.origin, i), vector(rays.direction, i)});
+      wave.paths[size] = {throughput, rays.pdf[i], at.slot[i]};
+      wave.hash[size] = at.hash[i], wave.index[size] = at.index[i];
+      size += lives ? 1 : 0;
+    }
+    wave.size = size;
+  }
+
+  void reflect(Wave& wave, OtherTile& tile, int bounce) const {
+    decide(tile.hash, tile.index, bounce, wave.decisions);
+    const std::size_t n = std::exchange(tile.size, 0);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Ray& ray = tile.ray[i];
+      const Vertex at = surfaces_.meet(Vec3f(ray.origin), Vec3f(ray.direction),
+                                       static_cast<float>(tile.hit[i].t), tile.hit[i].primitive);
+      Path path = tile.path[i];
       if (draws_lights() && !at.material->bsdf.delta()) draw_light(wave, path, at, i);
       if (!scatter(path, at, wave.decisions, i, bounce, wave.rays[wave.size])) continue;
-      wave.hash[wave.size] = wave.hash[i], wave.index[wave.size] = wave.index[i];
+      wave.hash[wave.size] = tile.hash[i], wave.index[wave.size] = tile.index[i];
       wave.paths[wave.size++] = path;
     }
   }
@@ -230,7 +302,7 @@ class PathTracer {
 
   /// Asks for a ray to a point of the emitters, with the light that it would bring.
   void draw_light(Wave& wave, const Path& path, const Vertex& at, std::size_t i) const {
-    const Decisions& d = wave.decisions;
+    const TileDecisions& d = wave.decisions;
     const Surfaces::LightPoint to = surfaces_.light(at, d.emitter[i], d.light_u[i], d.light_v[i]);
     if (to.pdf == 0) return;
     const bool diffuse = at.material->kind == SurfaceKind::diffuse;
@@ -250,7 +322,8 @@ class PathTracer {
   }
 
   /// Draws the path's next direction; false if it ends.
-  bool scatter(Path& path, const Vertex& at, const Decisions& d, std::size_t i, int bounce, Ray& next) const {
+  bool scatter(Path& path, const Vertex& at, const TileDecisions& d, std::size_t i, int bounce,
+               Ray& next) const {
     const Surfaces::Material& material = *at.material;
     const bool diffuse = material.kind == SurfaceKind::diffuse;
     Vec3f in;

@@ -41,6 +41,12 @@ class Surfaces {
     const Material* material;
     float cosine;  ///< between out and the front's normal; negative behind
   };
+  /// The same without where it is.
+  struct Side {
+    geometry::Vec3f normal;  ///< as the frame's z
+    const Material* material;
+    float cosine;
+  };
   /// A point of the emitters, as seen from a surface.
   struct LightPoint {
     geometry::Vec3f in;  ///< towards it, in the surface's frame
@@ -54,18 +60,25 @@ class Surfaces {
 
   const light::Emitters& emitters() const { return emitters_; }
   const Rgb& background() const { return background_; }
-  /// Of a ray of unit direction and the face that it hits at t.
-  Vertex meet(const geometry::Vec3f& origin, const geometry::Vec3f& direction, float t,
-              std::uint32_t face) const {
+  /// Where rays start above a surface, along its normal.
+  float offset() const { return offset_; }
+  /// Of a ray of unit direction and the face that it hits.
+  Side side(const geometry::Vec3f& direction, std::uint32_t face) const {
     const Face& f = faces_[face];
     const Material& m = materials_[f.material];
     const float cosine = -dot(f.normal, direction);
-    const geometry::Frame<float> frame(cosine < 0 && m.kind != SurfaceKind::glass ? -f.normal : f.normal);
+    return {cosine < 0 && m.kind != SurfaceKind::glass ? -f.normal : f.normal, &m, cosine};
+  }
+  /// And at t.
+  Vertex meet(const geometry::Vec3f& origin, const geometry::Vec3f& direction, float t,
+              std::uint32_t face) const {
+    const Side is = side(direction, face);
+    const geometry::Frame<float> frame(is.normal);
     return {origin + direction * t,
             frame,
             {-dot(frame.x, direction), -dot(frame.y, direction), -dot(frame.z, direction)},
-            &m,
-            cosine};
+            is.material,
+            is.cosine};
   }
   /// Numbers as Emitters::sample takes them; not to be called where the scene has no emitters.
   LightPoint light(const Vertex& at, double choice, float u, float v) const {

@@ -105,6 +105,9 @@ void expect_same(const Mesh3f& mesh, const std::vector<Rayf>& rays, const char* 
       ASSERT_EQ(any[i], any_truth[i]) << what << ", ray " << i;
       hit += any[i];
     }
+    waves.closest_face(rays, hits, threads);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      ASSERT_EQ(hits[i], (Hit<float>{truth[i].t, truth[i].primitive})) << what << ", ray " << i;
     EXPECT_GT(hit, 0u) << what;
   }
 }

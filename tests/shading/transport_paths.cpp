@@ -113,6 +113,59 @@ TEST(Paths, DirectLightIsThatOfTheFormFactor) {
   }
 }
 
+// A lamp of side 1 over a closed room: what it sends down falls on the floor, as its form factor says, and
+// the rest in equal parts on four walls. A pixel a wall, whose rays end anywhere on it.
+TEST(Paths, EachWallOfAClosedBoxIsLitAsFormFactorsSay) {
+  constexpr float height = 0.9f, albedo = 0.6f;
+  LitScene room;
+  add_box(room, {-1, -1, -1}, {1, 1, 1}, false, diffuse(albedo));
+  add_quad(room, {-0.5f, height, -0.5f}, {0.5f, height, -0.5f}, {0.5f, height, 0.5f}, {-0.5f, height, 0.5f},
+           diffuse(0, 3));
+  constexpr int axis[] = {1, 0, 0, 2, 2};
+  const Source at_walls = [&](std::size_t wall, float u, float v) {
+    const int a = axis[wall];
+    geometry::Rayf ray{{}, {}};
+    ray.direction[a] = wall == 0 || wall % 2 == 1 ? -1.0f : 1.0f;
+    ray.origin[a] = 0.99f * ray.direction[a];
+    ray.origin[(a + 1) % 3] = 2 * u - 1, ray.origin[(a + 2) % 3] = 2 * v - 1;
+    return ray;
+  };
+  const auto film_of = [&](PathOptions o, int samples) {
+    if (o.points == Points::sobol_owen) o.set = 64;
+    Film film(5, 1, o.points == Points::sobol_owen ? o.set : 1);
+    trace(room, o, film, samples, 1, at_walls);
+    return film;
+  };
+
+  constexpr int n = 16;  // points of the lamp along a side
+  double to_floor = 0;
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < n; ++k)
+      for (const int x : {-1, 1})
+        for (const int z : {-1, 1})
+          to_floor += corner_form_factor(1 + x * ((i + 0.5) / n - 0.5), 1 + z * ((k + 0.5) / n - 0.5),
+                                         1 + double(height)) /
+                      (n * n);
+  for (PathOptions o : all_ways()) {
+    o.max_bounces = 1;
+    const Film film = film_of(o, 2048);
+    for (std::size_t wall = 0; wall < 5; ++wall) {
+      const double share = wall == 0 ? to_floor : (1 - to_floor) / 4, truth = double(albedo) * 3 * share / 4;
+      const double error = film.standard_error(wall)[1];
+      EXPECT_NEAR(film.mean(wall)[1], truth, deviations * error) << name(o) << ", wall " << wall;
+      EXPECT_LT(error, 0.2 * truth) << name(o) << ", wall " << wall;
+    }
+  }
+  const Film reference = film_of({.lights = Lights::next_event, .seed = 100}, 4096);
+  for (const PathOptions& o : all_ways()) {
+    const Film film = film_of(o, 512);
+    for (std::size_t wall = 0; wall < 5; ++wall)
+      EXPECT_NEAR(film.mean(wall)[1], reference.mean(wall)[1],
+                  deviations * std::hypot(film.standard_error(wall)[1], reference.standard_error(wall)[1]))
+          << name(o) << ", wall " << wall;
+  }
+}
+
 TEST(Paths, ClosedRoomIsTheSameByEveryEstimator) {
   const LitScene room = lamp_room();
   const Film reference = traced(room, {.lights = Lights::none, .seed = 100}, 400);
