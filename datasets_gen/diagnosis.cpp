@@ -18,7 +18,7 @@ struct Named {
   const Finding& finding;
 };
 
-std::array<Named, 11> findings_of(const MeshCheck& m) {
+std::array<Named, 12> findings_of(const MeshCheck& m) {
   return {{{"non_finite_vertices", "vertices that are not finite", m.non_finite_vertices},
            {"unused_vertices", "vertices without a face", m.unused_vertices},
            {"duplicate_vertices", "vertices at the position of an earlier one", m.duplicate_vertices},
@@ -29,6 +29,7 @@ std::array<Named, 11> findings_of(const MeshCheck& m) {
            {"non_manifold_edges", "edges with more than two faces", m.non_manifold_edges},
            {"misoriented_edges", "edges whose faces look to different sides", m.misoriented_edges},
            {"non_manifold_vertices", "vertices where several fans of faces touch", m.non_manifold_vertices},
+           {"crossed_edges", "edges along which the surface crosses itself", m.crossed_edges},
            {"misnested_components", "closed parts that look the wrong way for where they lie",
             m.misnested_components}}};
 }

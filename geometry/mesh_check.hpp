@@ -13,6 +13,7 @@
 #include <numeric>
 
 #include "geometry/adjacency.hpp"
+#include "geometry/exact/triangle_triangle.hpp"
 #include "geometry/predicates.hpp"
 #include "geometry/weld.hpp"
 
@@ -53,6 +54,11 @@ struct MeshCheck {
   Finding boundary_edges;      ///< with one face
   Finding non_manifold_edges;  ///< with more than two
   Finding misoriented_edges;   ///< whose faces do not run opposite ways
+  /// With more than two faces, vertices at equal positions joined, which do not look this way and that in
+  /// turn all around: along such an edge the surface runs through itself, or a part lies within another one
+  /// that looks the same way, and space beside it is enclosed twice or less than not at all. Faces without
+  /// area or in one another say nothing.
+  Finding crossed_edges;
   Finding non_manifold_vertices;  ///< where several fans of faces touch
   /// Closed parts that look the wrong way for where they lie: outward within a solid, or inward in the open.
   /// Looked for in closed, oriented meshes. Examples name a face; a part turned inside out is one, too.
@@ -276,6 +282,8 @@ class MeshChecker {
     for (auto& face : faces)
       for (std::uint32_t& v : face) v = first_at_[v];
     const Adjacency adjacency(faces, mesh_.vertices.size());
+    for (const Adjacency::Edge& edge : adjacency.edges())
+      if (edge.count > 2 && edge.count % 2 == 0) check_turn(adjacency, faces, edge);
     made_.welded = {made_.vertices - made_.duplicate_vertices.count,
                     adjacency.boundary_edges(),
                     adjacency.non_manifold_edges(),
@@ -283,6 +291,52 @@ class MeshChecker {
                     adjacency.odd_edges(),
                     adjacency.closed(),
                     adjacency.oriented()};
+  }
+
+  /// Sorts an edge's faces around it, from one of them on, by exact orientations.
+  void check_turn(const Adjacency& adjacency, std::span<const Adjacency::Face> faces,
+                  const Adjacency::Edge& edge) {
+    struct Around {
+      Vec3f corner;  // off the edge
+      std::uint32_t face;
+      bool forward;
+      bool half = false;  // opposite the first one, or beyond
+    };
+    const Vec3f from = mesh_.vertices[edge.vertices[0]], to = mesh_.vertices[edge.vertices[1]];
+    std::vector<Around> all;
+    std::size_t forward = 0;
+    for (const std::uint32_t h : adjacency.half_edges_of(edge)) {
+      const std::uint32_t f = Adjacency::face_of(h);
+      const Triangle3f t = mesh_.triangle(f);
+      if (!is_finite(t) || is_degenerate(t)) return;
+      all.push_back({mesh_.vertices[faces[f][(h + 2) % 3]], f, faces[f][h % 3] == edge.vertices[0]});
+      forward += all.back().forward;
+    }
+    if (2 * forward != all.size()) return;  // not oriented
+    const auto turn = [&](const Around& a, const Around& b) {
+      return orientation(from, to, a.corner, b.corner);
+    };
+    for (Around& a : std::span(all).subspan(1)) {
+      const int side = turn(all[0], a);
+      if (side == 0 && same_side(all[0].face, a.face)) return;
+      a.half = side <= 0;
+    }
+    std::sort(all.begin() + 1, all.end(),
+              [&](const Around& a, const Around& b) { return a.half != b.half ? b.half : turn(a, b) > 0; });
+    for (std::size_t i = 2; i < all.size(); ++i)
+      if (all[i - 1].half == all[i].half && turn(all[i - 1], all[i]) == 0) return;
+    bool in_turn = true;
+    std::vector<std::uint32_t> around;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      in_turn = in_turn && all[i].forward != all[(i + 1) % all.size()].forward;
+      around.push_back(all[i].face);
+    }
+    if (!in_turn) found(made_.crossed_edges, std::move(around), {edge.vertices[0], edge.vertices[1]});
+  }
+  /// Of two faces in one plane that share an edge.
+  bool same_side(std::uint32_t f, std::uint32_t g) const {
+    const Triangle3f s = mesh_.triangle(f), t = mesh_.triangle(g);
+    return SharedCorners(s, t).count == 3 || cross_each_other(s, t);
   }
 
   std::vector<std::uint32_t> corners(std::uint32_t f) const {

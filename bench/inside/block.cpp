@@ -66,11 +66,23 @@ bool InsideBlock::faces_meet() {
   if (!faces_meet_) {
     const geometry::MeshCheck found = geometry::check_mesh(input_.mesh, 0);
     faces_meet_ =
-        found.duplicate_faces.count > 0 ||
+        found.duplicate_faces.count > 0 || found.crossed_edges.count > 0 ||
         accel::self_intersections(input_.mesh, found.sound_faces, {.kept = 0, .threads = input_.threads})
                 .count > 0;
   }
   return *faces_meet_;
+}
+
+std::vector<std::uint8_t> InsideBlock::held(const Method& method, std::size_t query_set) {
+  if (method.by_nearest_face) return {};
+  Clarity found = clarity_of(input_.mesh, input_.sets[query_set].points, input_.threads);
+  if (!method.by_facing) return std::move(found.clear);
+  // From outside every face looks towards the point, as long as nothing is wound around -1 times.
+  if (found.less_than_nothing) return {};
+  const std::vector<Side>& truth = truth_of(query_set);
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    found.clear[i] = found.clear[i] != 0 && truth[i] != Side::inside;
+  return std::move(found.clear);
 }
 
 Errors InsideBlock::check(std::size_t m, const Subject& subject, std::size_t query_set, const Knobs&) {
@@ -84,7 +96,8 @@ Errors InsideBlock::check(std::size_t m, const Subject& subject, std::size_t que
   };
   Errors result = judged();
   if (!result.within_claim && input_.given && faces_meet()) {
-    promise.whole = false;
+    const std::vector<std::uint8_t> still = held(method, query_set);
+    promise.held = still, promise.whole = !still.empty();
     result = judged();
     result.extra["inside_faces_meet"] = true;
   }

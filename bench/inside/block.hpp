@@ -34,8 +34,10 @@ class InsideBlock final : public MeshBlock<BlockInput, Method> {
 
  private:
   const std::vector<Side>& truth_of(std::size_t query_set);
-  /// Whether two faces are one, touch beside their edges, or run through each other.
+  /// Whether two faces are one, touch beside their edges, or run through each other, be it along edges.
   bool faces_meet();
+  /// What a method can be held to where faces meet; empty: nothing.
+  std::vector<std::uint8_t> held(const Method& method, std::size_t query_set);
 
   std::vector<std::optional<std::vector<Side>>> truths_;
   std::optional<bool> faces_meet_;

@@ -92,7 +92,7 @@ std::vector<Knobs> builds() {
 }
 
 template <class Of>
-bool add(const char* name, int ladder) {
+bool add(const char* name, int ladder, bool by_facing) {
   return Registry<Method>::instance().add(
       {.info = {.name = name,
                 .family = "bvh",
@@ -105,10 +105,11 @@ bool add(const char* name, int ladder) {
        .build = [](const geometry::Mesh3f& mesh, const Knobs& knobs, int threads) -> std::unique_ptr<Index> {
          return std::make_unique<Of>(mesh, knobs, threads);
        },
+       .by_facing = by_facing,
        .warm_up = ray::warm_up_embree});
 }
-[[maybe_unused]] const bool facing = add<EmbreeFacing>("embree_facing", 15);
-[[maybe_unused]] const bool parity = add<EmbreeParity>("embree_parity", 25);
+[[maybe_unused]] const bool facing = add<EmbreeFacing>("embree_facing", 15, true);
+[[maybe_unused]] const bool parity = add<EmbreeParity>("embree_parity", 25, false);
 
 }  // namespace
 }  // namespace treeline::bench::inside

@@ -20,6 +20,8 @@ namespace treeline::bench::inside {
 struct Promise {
   Claim claim = Claim::exact;
   bool whole = true;  // the mesh is closed, oriented and does not cross itself
+  /// 1 or 0 of each point: whether an answer there is held to the claim. Empty: all are.
+  std::span<const std::uint8_t> held = {};
 };
 
 /// Fields of its own: inside_judged, inside_false_inside, inside_false_outside, inside_on_surface and

@@ -30,6 +30,9 @@ struct Method {
   std::function<std::unique_ptr<Index>(const geometry::Mesh3f&, const Knobs& build_knobs, int threads)> build;
   /// It goes by the nearest face alone, which says nothing where two faces lie in one another.
   bool by_nearest_face = false;
+  /// It goes by which way the first face on a ray looks: into a solid that the ray enters from within another
+  /// one, out of which it takes the point to be.
+  bool by_facing = false;
   /// It is there to be seen failing: no share of wrong answers breaks a promise.
   bool promises_nothing = false;
   /// Makes what the method's library sets up once a process and lifts the limit that it sets to the threads

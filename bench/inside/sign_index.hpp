@@ -54,9 +54,9 @@ template <class Tree, class Sign>
 bool register_sign(MethodInfo info, std::size_t node_bytes = 0) {
   return Registry<Method>::instance().add(
       {.info = std::move(info),
-       .build = [node_bytes](const geometry::Mesh3f& mesh, const Knobs&, int threads) {
-         return build_sign<Tree, Sign>(mesh, {}, threads, node_bytes);
-       }});
+       .build = [node_bytes](const geometry::Mesh3f& mesh, const Knobs&,
+                             int threads) { return build_sign<Tree, Sign>(mesh, {}, threads, node_bytes); },
+       .by_facing = std::is_same_v<Sign, accel::FirstHit>});
 }
 
 using WideTree = accel::Bvh<accel::Triangles<float>, accel::Wide>;

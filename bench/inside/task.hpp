@@ -4,8 +4,10 @@
 //   damage.hpp), told by "+" in the dataset's name. Queries: queries.hpp.
 // Truth: truth.hpp, of the mesh; of damaged ones, what the mesh was before. A mesh of the user's own must be
 //   closed and oriented, and no part of it inside out, since otherwise nothing says what is inside; it is
-//   refused if not. Where its faces are found to meet beside their edges, no method that fails there is held
-//   to its claim: inside_faces_meet.
+//   refused if not. Where its faces are found to meet beside their edges or to cross along them, methods that
+//   fail there are held to their claims only for points that it winds around 0 times or once, of which all
+//   definitions say the same; those that go by the first face on a ray only for those outside, and those that
+//   go by the nearest face for none: inside_faces_meet.
 // Errors and claims: judge.hpp.
 // Advice: on near, uniform and on_vertex; a tolerance is a share of wrong answers.
 #pragma once

@@ -20,4 +20,12 @@ enum class Side : std::uint8_t { outside, inside, surface };
 std::vector<Side> true_sides(const geometry::Mesh3f& mesh, std::span<const geometry::Vec3f> points,
                              int threads);
 
+/// How far it is clear what is inside where a mesh meets itself: of points that it winds around 0 times or
+/// once every definition says the same; others some call inside and some outside.
+struct Clarity {
+  std::vector<std::uint8_t> clear;  // 1 or 0 of each point; 1 of those on the surface
+  bool less_than_nothing = false;   // some point is wound around a negative number of times
+};
+Clarity clarity_of(const geometry::Mesh3f& mesh, std::span<const geometry::Vec3f> points, int threads);
+
 }  // namespace treeline::bench::inside

@@ -203,6 +203,56 @@ TEST(InsideTask, BoxesThatTouchAreNobodysFault) {
   EXPECT_GT(worst_face_normal, 0.01);
 }
 
+/// Says of every point what a rule makes of how many of two boxes it is in.
+class ByCount final : public Index {
+ public:
+  using Rule = bool (*)(int boxes);
+  explicit ByCount(Rule rule) : rule_(rule) {}
+  void inside(std::span<const geometry::Vec3f> points, std::span<std::uint8_t> out, const Knobs&,
+              int) const override {
+    const auto within = [](const geometry::Vec3f& p, float low, float high) {
+      bool in = true;
+      for (int k = 0; k < 3; ++k) in = in && p[k] >= low && p[k] <= high;
+      return in ? 1 : 0;
+    };
+    for (std::size_t i = 0; i < points.size(); ++i)
+      out[i] = rule_(within(points[i], 0, 1) + within(points[i], 0.5f, 1.5f));
+  }
+
+ private:
+  Rule rule_;
+};
+
+// Where boxes run through each other nobody says what is inside; everywhere else it is as clear as ever.
+TEST(InsideTask, WhereFacesMeetClaimsHoldForAllThatIsClear) {
+  const auto within_claim = [](ByCount::Rule rule, Claim claim, bool by_facing) {
+    static ByCount::Rule current;
+    current = rule;
+    std::vector<Method> methods(1);
+    methods[0].info.name = "by_count", methods[0].info.claim = claim;
+    methods[0].build = [](const geometry::Mesh3f&, const Knobs&, int) -> std::unique_ptr<Index> {
+      return std::make_unique<ByCount>(current);
+    };
+    methods[0].by_facing = by_facing;
+    BlockInput input;
+    input.mesh = of_boxes({{0, 0, 0, 1, 1, 1, 0}, {0.5f, 0.5f, 0.5f, 1.5f, 1.5f, 1.5f, 0}}).mesh;
+    input.sets = make_point_sets(input.mesh, {400, 400}, true, 3);
+    input.given = true;
+    InsideBlock block(std::move(input), methods);
+    const auto subject = block.build(0, Knobs::object(), 1);
+    subject->run(1, Knobs::object(), 1);
+    return block.check(0, *subject, 1, Knobs::object()).within_claim;
+  };
+  for (const Claim claim : {Claim::exact, Claim::bounded, Claim::approximate}) {
+    EXPECT_TRUE(within_claim([](int n) { return n > 0; }, claim, false));
+    EXPECT_TRUE(within_claim([](int n) { return n % 2 == 1; }, claim, false)) << "parity";
+    EXPECT_FALSE(within_claim([](int) { return false; }, claim, false));
+    EXPECT_FALSE(within_claim([](int) { return true; }, claim, false));
+    EXPECT_TRUE(within_claim([](int) { return false; }, claim, true)) << "from inside it may meet the other";
+    EXPECT_FALSE(within_claim([](int) { return true; }, claim, true));
+  }
+}
+
 TEST(InsideTask, AsksInOrderToo) {
   const InsideTask task;
   const auto block = task.open({"icosphere", 1'000}, smoke_context());

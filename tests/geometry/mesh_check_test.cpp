@@ -149,6 +149,41 @@ TEST(MeshCheck, TwoTetrahedraThatTouchAtAVertexOrEdge) {
   EXPECT_EQ(crossings(edge).count, 0u);
 }
 
+// Tents over a common ridge, each closed: which of their faces lie between which others tells whether they
+// cross there.
+TEST(MeshCheck, TellsCrossingsAlongEdgesFromTouches) {
+  /// Between two directions from the ridge, in degrees, the second counter-clockwise of the first.
+  const auto tent = [](double first, double second) {
+    const auto at = [](double degrees, float y) {
+      const double a = degrees * std::numbers::pi / 180;
+      return Vec3f{static_cast<float>(std::cos(a)), y, static_cast<float>(std::sin(a))};
+    };
+    Mesh3f m;
+    m.vertices = {{0, 0, 0}, {0, 1, 0}, at(first, 0), at(second, 0), at(first, 1), at(second, 1)};
+    m.faces = {{0, 1, 4}, {0, 4, 2}, {0, 3, 5}, {0, 5, 1}, {2, 4, 5}, {2, 5, 3}, {0, 2, 3}, {1, 5, 4}};
+    return m;
+  };
+  EXPECT_GT(check_mesh(tent(10, 70)).volume, 0);
+  const auto turned = [](Mesh3f m) {
+    for (auto& f : m.faces) std::swap(f[0], f[1]);
+    return m;
+  };
+  const auto crossed = [](const Mesh3f& m) { return check_mesh(m).crossed_edges.count; };
+  const Mesh3f one = tent(10, 70);
+  EXPECT_EQ(crossed(one), 0u);
+  for (const Mesh3f& other : {tent(40, 100), tent(20, 50)}) {  // across, and within
+    EXPECT_EQ(crossed(joined(one, other)), 1u);
+    EXPECT_EQ(crossed(joined(turned(one), turned(other))), 1u);
+    const MeshCheck welded = check_mesh(geometry::welded(joined(one, other)).mesh);
+    EXPECT_EQ(welded.crossed_edges.count, 1u);
+    EXPECT_EQ(welded.crossed_edges.first[0].faces.size(), 4u);
+  }
+  for (const Mesh3f& other : {tent(100, 160), tent(190, 250), turned(tent(20, 50))})  // beside, and a hollow
+    EXPECT_EQ(crossed(joined(one, other)), 0u);
+  EXPECT_EQ(crossed(joined(joined(one, tent(100, 160)), tent(190, 250))), 0u);
+  EXPECT_EQ(crossed(joined(joined(one, tent(100, 160)), tent(130, 250))), 1u);
+}
+
 TEST(Weld, UndoesASoupAndNothingElse) {
   const Mesh3f mesh = sphere<float>(3);
   const Welded<float> same = welded(mesh);
