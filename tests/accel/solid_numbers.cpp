@@ -42,7 +42,9 @@ TEST(Solid, OfAnySizeAreTheSame) {
     const BspTree<Solid<>> tree(moved(cube<double>(1), {}, scale));
     EXPECT_TRUE(tree.contains({0.4 * scale, -0.4 * scale, 0.3 * scale})) << scale;
     EXPECT_FALSE(tree.contains({0.4 * scale, -0.4 * scale, 1.3 * scale})) << scale;
-    if (const double v = 8 * scale * scale * scale; std::isnormal(v)) EXPECT_NEAR(tree.volume() / v, 1, 1e-6);
+    if (const double v = 8 * scale * scale * scale; std::isnormal(v)) {
+      EXPECT_NEAR(tree.volume() / v, 1, 1e-6);
+    }
     EXPECT_THROW(BspTree<Solid<>>(moved(turned, {}, scale)), NotASolid) << scale;
   }
 }
