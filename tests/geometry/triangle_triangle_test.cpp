@@ -57,6 +57,7 @@ void check(const Triangle3f& s, const Triangle3f& t) {
   for (const Triangle3f& turned : {s, Triangle3f{s.b, s.c, s.a}, Triangle3f{s.c, s.b, s.a}}) {
     ASSERT_EQ(cross_each_other(turned, t), expected);
     ASSERT_EQ(cross_each_other(t, turned), expected);
+    ASSERT_EQ(cross_each_other(Triangle3d(turned), Triangle3d(t)), expected);
   }
 }
 
@@ -111,9 +112,9 @@ TEST(TriangleTriangle, KeepsItsAnswerUnderScalesOfTwo) {
         t{grid_point(random, 4), grid_point(random, 4), grid_point(random, 4)};
     if (is_degenerate(s) || is_degenerate(t)) continue;
     for (const float scale : {0x1p-140f, 0x1p-70f, 0x1p100f})
-      EXPECT_EQ(
-          cross_each_other({s.a * scale, s.b * scale, s.c * scale}, {t.a * scale, t.b * scale, t.c * scale}),
-          cross_each_other(s, t));
+      EXPECT_EQ(cross_each_other(Triangle3f{s.a * scale, s.b * scale, s.c * scale},
+                                 Triangle3f{t.a * scale, t.b * scale, t.c * scale}),
+                cross_each_other(s, t));
   }
 }
 
