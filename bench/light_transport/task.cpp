@@ -18,7 +18,7 @@ constexpr std::array of_splitting{"whitted", "mis", "mis_embree"};
 constexpr std::array seldom{"plates_and_lamps"};
 
 int pixels(Profile profile, bool scaling) {
-  const int plain = profile == Profile::smoke ? 300 : profile == Profile::quick ? 800 : 12'000;
+  const int plain = profile == Profile::smoke ? 128 : profile == Profile::quick ? 800 : 12'000;
   return scaling ? 8 * plain : plain;
 }
 
@@ -120,7 +120,7 @@ void LightTransportTask::pictures(const BlockSpec& spec, const RunContext& conte
                                   const std::string& folder) const {
   datasets::Dataset dataset = datasets::generate(spec.dataset, spec.n, context.seed);
   draw_pictures(registered(), dataset.room, spec.dataset,
-                context.profile == Profile::smoke ? 300 : picture_pixels, all_threads(), folder);
+                context.profile == Profile::smoke ? 128 : picture_pixels, all_threads(), folder);
 }
 
 }  // namespace treeline::bench::light_transport
