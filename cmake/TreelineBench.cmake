@@ -40,9 +40,10 @@ function(_treeline_bench_objects task name absent)
   endforeach()
 endfunction()
 
-# Sources where no time is spent when they run: -O1 compiles them in two thirds of the time.
-function(treeline_bench_not_hot)
-  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "$<$<CONFIG:Release>:-O1>")
+# A target where no time is spent when it runs: -O1 compiles it in two thirds of the time.
+function(treeline_bench_not_hot target)
+  target_compile_options(${target} PRIVATE "$<$<CONFIG:Release>:-O1>")
+  treeline_together(${target} 8)
 endfunction()
 
 function(treeline_bench_task task)
@@ -50,18 +51,29 @@ function(treeline_bench_task task)
   if(NOT B_MAIN)
     set(B_MAIN main.cpp)
   endif()
-  set(not_hot ${B_MAIN} ${B_SOURCES})
-  list(FILTER not_hot INCLUDE REGEX "^(main|task|figures|[a-z_]*pictures?|png[a-z_]*|slice_svg)[.]cpp$")
-  treeline_bench_not_hot(${not_hot})
+  set(not_hot ${B_SOURCES})
+  list(FILTER not_hot INCLUDE REGEX "^(../ray/)?(task|figures|[a-z_]*pictures?|png[a-z_]*|slice_svg)[.]cpp$")
+  set(hot ${B_SOURCES})
+  list(REMOVE_ITEM hot ${not_hot})
   add_library(treeline_bench_${task} INTERFACE)
   target_link_libraries(treeline_bench_${task} INTERFACE treeline_bench_core ${B_LINK})
-  _treeline_bench_objects(${task} task absent SOURCES ${B_SOURCES} LINK ${B_LINK})
+  _treeline_bench_objects(${task} task absent SOURCES ${not_hot} LINK ${B_LINK})
+  treeline_bench_not_hot(treeline_bench_${task}_task)
+  if(hot)
+    _treeline_bench_objects(${task} judging absent SOURCES ${hot} LINK ${B_LINK})
+    treeline_together(treeline_bench_${task}_judging 4)
+  endif()
   set(of_task TARGET_PROPERTY:treeline_bench_${task})
-  target_compile_definitions(treeline_bench_${task}_task PRIVATE
-    "TREELINE_TASK_METHODS=\"$<JOIN:$<${of_task},TREELINE_METHODS>,$<COMMA>>\""
-    "TREELINE_TASK_NOT_BUILT=\"$<JOIN:$<${of_task},TREELINE_NOT_BUILT>,$<COMMA>>\""
-    "$<${of_task},TREELINE_WITHOUT>")
+  foreach(part task judging)
+    if(TARGET treeline_bench_${task}_${part})
+      target_compile_definitions(treeline_bench_${task}_${part} PRIVATE
+        "TREELINE_TASK_METHODS=\"$<JOIN:$<${of_task},TREELINE_METHODS>,$<COMMA>>\""
+        "TREELINE_TASK_NOT_BUILT=\"$<JOIN:$<${of_task},TREELINE_NOT_BUILT>,$<COMMA>>\""
+        "$<${of_task},TREELINE_WITHOUT>")
+    endif()
+  endforeach()
   add_executable(bench_${task} ${B_MAIN})
+  treeline_bench_not_hot(bench_${task})
   target_link_libraries(bench_${task} PRIVATE treeline_bench_${task} treeline_options)
   set_target_properties(bench_${task} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${treeline_BINARY_DIR}/bench)
   set_property(GLOBAL APPEND PROPERTY TREELINE_BENCH_TASKS ${task})

@@ -25,5 +25,13 @@ target_link_libraries(treeline_options INTERFACE treeline_sanitize)
 
 find_program(TREELINE_CCACHE ccache)
 if(TREELINE_CCACHE AND PROJECT_IS_TOP_LEVEL)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${TREELINE_CCACHE})
+  # Ninja asks for the headers of each file anyway: ccache need not preprocess it to know them.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_DEPEND=1 ${TREELINE_CCACHE})
 endif()
+
+# Most of what a small source costs is its headers. With TREELINE_UNITY off each source is compiled by itself: for
+# clangd, and for whoever edits one of them again and again.
+option(TREELINE_UNITY "Compile the small sources of a target together" ON)
+function(treeline_together target batch)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${TREELINE_UNITY} UNITY_BUILD_BATCH_SIZE ${batch})
+endfunction()

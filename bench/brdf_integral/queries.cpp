@@ -12,7 +12,8 @@ namespace {
 
 using geometry::Pcg32;
 
-constexpr double pi = std::numbers::pi, golden_angle = 2.399963229728653;
+using std::numbers::pi;
+constexpr double golden_angle = 2.399963229728653;
 // The small light: as wide as a lamp of 35 cm two metres away.
 constexpr double light_half_angle = 5 * pi / 180, light_elevation = 45 * pi / 180, light_azimuth = 0.5;
 

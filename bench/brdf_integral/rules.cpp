@@ -11,7 +11,7 @@
 namespace treeline::bench::brdf_integral {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 template <int n>
 Rule of() {

@@ -10,8 +10,8 @@
 namespace treeline::bench::brdf_integral {
 namespace {
 
-constexpr double pi = std::numbers::pi,
-                 tolerance = 1e-7;  // what two rules may differ by: the finer is far better
+using std::numbers::pi;
+constexpr double tolerance_of_shapes = 1e-7;  // what two rules may differ by: the finer is far better
 
 /// The integral of the cosine over distance², for a patch p(s, t) with area |normal| ds dt.
 template <class Point>
@@ -22,9 +22,9 @@ double over_area(const Point& p, const Vec3d& normal, std::span<const double> s,
       const double d2 = dot(point, point);
       return Values<1>{area * std::abs(dot(point, normal)) / (d2 * std::sqrt(d2))};
     };
-    return integrate<1>(at, t, 0.1 * tolerance);
+    return integrate<1>(at, t, 0.1 * tolerance_of_shapes);
   };
-  return integrate<1>(slice, s, tolerance)[0];
+  return integrate<1>(slice, s, tolerance_of_shapes)[0];
 }
 
 /// Of the shape around the direction `middle` that a closed border p(t), t in [0, 2 pi), encloses.
@@ -38,7 +38,7 @@ double within_border(const Point& p, const Vec3d& middle, std::span<const double
     const double l = std::sqrt(r2 + z * z);
     return Values<1>{turn * (z > 0 ? r2 / (l * (l + z)) : 1 - z / l)};
   };
-  return std::abs(integrate<1>(at, breaks, tolerance)[0]);
+  return std::abs(integrate<1>(at, breaks, tolerance_of_shapes)[0]);
 }
 
 struct OnPatch {
@@ -123,7 +123,7 @@ SolidAngle sphere(const Shape& s) {
     return Values<1>{2 * pi * radius * radius * std::sin(b) * -dot(p, n) / (d2 * std::sqrt(d2))};
   };
   return of(2 * pi * sine * sine / (1 + std::sqrt((1 - sine) * (1 + sine))),
-            integrate<1>(ring, limit, tolerance)[0]);
+            integrate<1>(ring, limit, tolerance_of_shapes)[0]);
 }
 
 }  // namespace

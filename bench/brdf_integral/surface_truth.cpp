@@ -16,8 +16,8 @@
 namespace treeline::bench::brdf_integral {
 namespace {
 
-constexpr double pi = std::numbers::pi;
-constexpr double tolerance = 1e-8;  // of a viewer's integrals; inner ones are ten times finer
+using std::numbers::pi;
+constexpr double tolerance_of_viewers = 1e-8;  // of a viewer's integrals; inner ones are ten times finer
 constexpr double average_tolerance = 1e-7;
 
 using Rgb = std::array<double, 3>;
@@ -163,10 +163,10 @@ Reflected light_by_angles(const F& f, const Sky& sky, const Vec3d& wo) {
       const Vec3d wi = sky.axis * std::cos(b) + side * std::sin(b);
       return wi[2] > 0 ? weighed(f(wi, wo), wi, sky.radiance * std::sin(b)) : Reflected{};
     };
-    return integrate<6>(at, broken(0, wide, off), 0.1 * tolerance);
+    return integrate<6>(at, broken(0, wide, off), 0.1 * tolerance_of_viewers);
   };
   const double breaks[] = {turned - pi, turned, turned + pi};
-  return integrate<6>(slice, breaks, tolerance);
+  return integrate<6>(slice, breaks, tolerance_of_viewers);
 }
 
 template <class F>
@@ -183,10 +183,10 @@ Reflected light_by_plane(const F& f, const Sky& sky, const Vec3d& wo) {
       const Vec3d wi = (sky.axis + frame.x * x + frame.y * y) * (1 / std::sqrt(l2));
       return wi[2] > 0 ? weighed(f(wi, wo), wi, sky.radiance * half / (l2 * std::sqrt(l2))) : Reflected{};
     };
-    return integrate<6>(at, broken(-half, half, y_mirror), 0.1 * tolerance);
+    return integrate<6>(at, broken(-half, half, y_mirror), 0.1 * tolerance_of_viewers);
   };
   return integrate<6>(slice, broken(-0.5 * pi, 0.5 * pi, std::asin(std::clamp(x_mirror / radius, -1.0, 1.0))),
-                      tolerance);
+                      tolerance_of_viewers);
 }
 
 /// 2 ∫ E(μ) μ dμ, over azimuths too where these matter. reflect(wo) gives E; nodes of the cosine lie as in
@@ -245,9 +245,9 @@ Truth surface_truth(const Material& m, const Set& set, int threads) {
   share(viewers, threads, [&](std::size_t i) {
     const Vec3d& wo = set.views[i * set.repeats];
     const bool light = set.sky.kind == SkyKind::cap;
-    first[i] = light ? light_by_angles(ours, set.sky, wo) : by_normals(ours, scale, wo, tolerance);
-    second[i] =
-        light ? light_by_plane(textbooks, set.sky, wo) : by_directions(textbooks, scale, wo, tolerance);
+    first[i] = light ? light_by_angles(ours, set.sky, wo) : by_normals(ours, scale, wo, tolerance_of_viewers);
+    second[i] = light ? light_by_plane(textbooks, set.sky, wo)
+                      : by_directions(textbooks, scale, wo, tolerance_of_viewers);
   });
   const std::size_t at = set.sky.kind == SkyKind::cosine ? 3 : 0;
   for (std::size_t i = 0; i < viewers; ++i) note(truth, first[i].data() + at, second[i].data() + at, 3);
@@ -259,8 +259,8 @@ Truth tail_shares(const Material& m) {
   const auto shares = [&](const auto& f) {
     std::array<double, 9> shell{};
     for (std::size_t k = 0; k < shell.size(); ++k) {
-      const Reflected r =
-          by_directions(f, scale_of(m), head_on, tolerance, double(k) * pi / 18, double(k + 1) * pi / 18);
+      const Reflected r = by_directions(f, scale_of(m), head_on, tolerance_of_viewers, double(k) * pi / 18,
+                                        double(k + 1) * pi / 18);
       shell[k] = r[0] + r[1] + r[2];
     }
     std::array<double, 8> beyond{};
@@ -283,7 +283,7 @@ double unmasked_albedo(const Material& m, double cosine) {
     return r;
   };
   const Vec3d wo{std::sqrt((1 - cosine) * (1 + cosine)), 0, cosine};
-  const Reflected e = by_normals(f, scale_of(m), wo, tolerance / cosine);
+  const Reflected e = by_normals(f, scale_of(m), wo, tolerance_of_viewers / cosine);
   return std::max({e[0], e[1], e[2]});
 }
 

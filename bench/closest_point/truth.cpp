@@ -18,16 +18,19 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A run of triangles' boxes, small enough to stay in the first caches over many queries.
 struct Tile {
-  static constexpr std::size_t capacity = 512;
+  static constexpr std::size_t capacity = 128;
   std::array<std::array<float, capacity>, 3> low, high;
+  geometry::Box3d whole;  // holds those of finite triangles
   std::size_t size = 0;
 
   void load(const Mesh3f& mesh, std::size_t first) {
     size = std::min(capacity, mesh.size() - first);
+    whole = {};
     for (std::size_t i = 0; i < size; ++i) {
       const geometry::Triangle3f t = mesh.triangle(first + i);
       const bool finite = geometry::is_finite(t);
       const auto box = t.box();
+      if (finite) whole.grow(Vec3d(box.low)), whole.grow(Vec3d(box.high));
       for (int k = 0; k < 3; ++k) {  // what is not finite is infinitely far
         low[static_cast<std::size_t>(k)][i] = finite ? box.low[k] : std::numeric_limits<float>::infinity();
         high[static_cast<std::size_t>(k)][i] = finite ? box.high[k] : std::numeric_limits<float>::infinity();
@@ -46,6 +49,16 @@ void measure(const Tile& tile, const Vec3d& q, std::array<double, Tile::capacity
     const double dz = larger(larger(double(tile.low[2][i]) - z, z - double(tile.high[2][i])), 0.0);
     distance2[i] = dx * dx + dy * dy + dz * dz;
   }
+}
+
+/// To the box of them all: at most what measure() says of any of them, but for roundings.
+double distance2_to_all(const Tile& tile, const Vec3d& q) {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double d = std::max({tile.whole.low[k] - q[k], q[k] - tile.whole.high[k], 0.0});
+    sum += d * d;
+  }
+  return sum;
 }
 
 /// One query's search: those that may be nearest, and how far the nearest is at most.
@@ -108,6 +121,7 @@ void closest_of(const Mesh3f& mesh, std::span<const geometry::Vec3f> queries, st
     tile.load(mesh, first);
     for (std::size_t i = 0; i < queries.size(); ++i) {
       if (!geometry::is_finite(queries[i])) continue;
+      if (!searches[i].may_win(distance2_to_all(tile, Vec3d(queries[i])))) continue;
       measure(tile, Vec3d(queries[i]), distance2);
       for (std::size_t k = 0; k < tile.size; ++k)
         if (searches[i].may_win(distance2[k]) && tile.low[0][k] < std::numeric_limits<float>::infinity())

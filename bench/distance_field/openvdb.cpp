@@ -1,8 +1,8 @@
 // OpenVDB: a narrow-band level set from meshToVolume, asked by its own samplers and its own rays.
 //
-// Its distances are in double for a moment and float in the grid; the sign is flood-filled from outside, and
-// then the band renormalised unless that is switched off (both are swept: it smooths, at an error of its
-// own).
+// The conversion is the one compiled into the library, which takes vertices as floats in units of a cell,
+// like its own convenience functions. The sign is flood-filled from outside, and then the band renormalised
+// unless that is switched off (both are swept: it smooths, at an error of its own).
 #include <oneapi/tbb/task_arena.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Interpolation.h>
@@ -18,19 +18,6 @@ namespace {
 
 using Grid = openvdb::FloatGrid;
 
-struct MeshAdapter {
-  const geometry::Mesh3f& mesh;
-  double per_cell;
-
-  std::size_t polygonCount() const { return mesh.faces.size(); }
-  std::size_t pointCount() const { return mesh.vertices.size(); }
-  std::size_t vertexCount(std::size_t) const { return 3; }
-  void getIndexSpacePoint(std::size_t face, std::size_t corner, openvdb::Vec3d& at) const {
-    const auto& p = mesh.vertices[mesh.faces[face][corner]];
-    at = openvdb::Vec3d(p[0], p[1], p[2]) * per_cell;
-  }
-};
-
 class OpenVdb final : public Field {
  public:
   OpenVdb(const Input& input, const Knobs& knobs) {
@@ -40,8 +27,14 @@ class OpenVdb final : public Field {
     const int flags = knobs.at("renormalize").get<bool>() ? 0 : int(openvdb::tools::DISABLE_RENORMALIZATION);
     const auto band = static_cast<float>(input.band);
     const auto make = [&] {
-      grid_ = openvdb::tools::meshToVolume<Grid>(MeshAdapter{input.mesh, 1 / input.spacing}, *transform, band,
-                                                 band, flags);
+      std::vector<openvdb::Vec3s> corners;
+      for (const auto& p : input.mesh.vertices)
+        corners.push_back(openvdb::Vec3s(openvdb::Vec3d(p[0], p[1], p[2]) / input.spacing));
+      std::vector<openvdb::Vec3I> faces;
+      for (const auto& f : input.mesh.faces) faces.emplace_back(f[0], f[1], f[2]);
+      const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> mesh(corners, faces);
+      openvdb::util::NullInterrupter never;
+      grid_ = openvdb::tools::meshToVolume<Grid>(never, mesh, *transform, band, band, flags);
     };
     tbb::task_arena arena(accel::allowed_threads(input.threads));
     arena.execute(make);

@@ -97,9 +97,14 @@ double Judge::eps(const geometry::Rayf& ray, std::span<const Id> faces) const {
   return eps_factor * unit_roundoff_ * largest;
 }
 
+std::vector<Id> Judge::faces_near(const Rayd& ray, double distance) {
+  if (!boxes_) boxes_.emplace(mesh_);
+  return ray::faces_near(mesh_, *boxes_, ray, distance);
+}
+
 const std::vector<Id>& Judge::near(std::size_t ray_number, const Case& c) {
   Near& near = near_[ray_number];
-  if (near.distance < 2 * c.eps) near = {2 * c.eps, faces_near(mesh_, c.ray, 2 * c.eps)};
+  if (near.distance < 2 * c.eps) near = {2 * c.eps, faces_near(c.ray, 2 * c.eps)};
   return near.faces;
 }
 
@@ -245,7 +250,7 @@ Judged Judge::any(std::size_t ray_number, const geometry::Rayf& ray, const TrueH
   }
   // Which triangle it was is not told: any may have been, each with the eps that it would be involved with.
   const double widest = std::max(c.eps, eps_factor * unit_roundoff_ * largest_);
-  for (const Id face : faces_near(mesh_, c.ray, widest)) {
+  for (const Id face : faces_near(c.ray, widest)) {
     c.eps = eps(ray, std::span(&face, 1));
     if (touches(c, face)) return {Verdict::borderline, false, 0, 0};
   }

@@ -32,6 +32,7 @@
 // over its least height, for by so much cancels the determinant that t is divided by.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -87,6 +88,7 @@ class Judge {
     std::vector<accel::Id> faces;
   };
   const std::vector<accel::Id>& near(std::size_t ray_number, const Case& c);
+  std::vector<accel::Id> faces_near(const geometry::Rayd& ray, double distance);
   void widen(std::size_t ray_number, Case& c, double end);
   bool passes(const Case& c, std::span<const accel::Id> faces, double t_from, double t_to) const;
   bool slips(const Case& c, std::span<const accel::Id> faces, accel::Id answered, double t_from,
@@ -98,6 +100,7 @@ class Judge {
   const geometry::Mesh3f& mesh_;
   double unit_roundoff_;
   double largest_;
+  std::optional<RunBoxes> boxes_;               // once they are asked for
   std::unordered_map<std::size_t, Near> near_;  // as far off as was asked for yet
 };
 

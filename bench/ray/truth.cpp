@@ -31,7 +31,7 @@ void try_face(const Mesh3f& mesh, Id face, const Rayd& ray, TrueHit& best) {
 
 /// A run of triangles as nine arrays of doubles, small enough to stay in the first caches over many rays.
 struct Tile {
-  static constexpr std::size_t capacity = 256;
+  static constexpr std::size_t capacity = RunBoxes::run;
   std::array<std::array<double, capacity>, 9> x;
   std::size_t size = 0;
 
@@ -71,16 +71,18 @@ void filter(const Tile& tile, const Rayd& ray, std::array<std::uint8_t, Tile::ca
   }
 }
 
-void closest_of(const Mesh3f& mesh, std::span<const geometry::Rayf> rays, std::span<TrueHit> out) {
+void closest_of(const Mesh3f& mesh, const RunBoxes& boxes, std::span<const geometry::Rayf> rays,
+                std::span<TrueHit> out) {
   std::vector<Rayd> wide_rays;
   for (const auto& r : rays)
     wide_rays.push_back({Vec3d(r.origin), Vec3d(r.direction), double(r.t_min), double(r.t_max)});
   Tile tile;
   std::array<std::uint8_t, Tile::capacity> maybe;
-  for (std::size_t first = 0; first < mesh.size(); first += Tile::capacity) {
+  for (std::size_t run = 0; run < boxes.size(); ++run) {
+    const std::size_t first = run * RunBoxes::run;
     tile.load(mesh, first);
     for (std::size_t r = 0; r < rays.size(); ++r) {
-      if (!finite(wide_rays[r])) continue;
+      if (!finite(wide_rays[r]) || !boxes.may_pass(run, wide_rays[r], 0)) continue;
       filter(tile, wide_rays[r], maybe);
       for (std::size_t i = 0; i < tile.size; ++i)
         if (maybe[i]) try_face(mesh, static_cast<Id>(first + i), wide_rays[r], out[r]);
@@ -108,7 +110,36 @@ bool surely_beside(const geometry::Triangle3f& triangle, const Rayd& ray, double
   return false;
 }
 
+/// Does the line of the ray pass the box within a distance? A millionth of all that is subtracted, and of the
+/// distance, swallows the rounding of this test.
+bool passes_box(const geometry::Box3d& box, const Rayd& ray, double distance) {
+  double enter = -std::numeric_limits<double>::infinity(), leave = -enter;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double o = ray.origin[axis], d = ray.direction[axis];
+    const double largest = std::max({std::abs(box.low[axis]), std::abs(box.high[axis]), std::abs(o)});
+    const double margin = distance + 1e-6 * (distance + largest);
+    const double low = box.low[axis] - margin - o, high = box.high[axis] + margin - o;
+    if (d == 0) {
+      if (low > 0 || high < 0) return false;
+      continue;
+    }
+    const double x = low / d, y = high / d;
+    enter = std::max(enter, std::min(x, y)), leave = std::min(leave, std::max(x, y));
+  }
+  return enter <= leave;
+}
+
 }  // namespace
+
+RunBoxes::RunBoxes(const Mesh3f& mesh) : boxes_((mesh.size() + run - 1) / run) {
+  for (std::size_t f = 0; f < mesh.size(); ++f)
+    if (const auto triangle = mesh.triangle(f); geometry::is_finite(triangle))
+      for (const auto& corner : {triangle.a, triangle.b, triangle.c}) boxes_[f / run].grow(Vec3d(corner));
+}
+
+bool RunBoxes::may_pass(std::size_t i, const Rayd& ray, double distance) const {
+  return boxes_[i].low[0] <= boxes_[i].high[0] && passes_box(boxes_[i], ray, distance);
+}
 
 TrueHit exact_closest(const Mesh3f& mesh, std::span<const Id> faces, const Rayd& ray) {
   TrueHit best;
@@ -119,8 +150,9 @@ TrueHit exact_closest(const Mesh3f& mesh, std::span<const Id> faces, const Rayd&
 
 std::vector<TrueHit> true_closest(const Mesh3f& mesh, std::span<const geometry::Rayf> rays, int threads) {
   std::vector<TrueHit> out(rays.size());
+  const RunBoxes boxes(mesh);
   if (threads <= 1) {
-    closest_of(mesh, rays, out);
+    closest_of(mesh, boxes, rays, out);
     return out;
   }
   tbb::task_arena arena(threads);
@@ -130,7 +162,7 @@ std::vector<TrueHit> true_closest(const Mesh3f& mesh, std::span<const geometry::
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, rays.size(), grain),
         [&](const auto& range) {
-          closest_of(mesh, rays.subspan(range.begin(), range.size()),
+          closest_of(mesh, boxes, rays.subspan(range.begin(), range.size()),
                      std::span(out).subspan(range.begin(), range.size()));
         },
         tbb::simple_partitioner());
@@ -138,27 +170,20 @@ std::vector<TrueHit> true_closest(const Mesh3f& mesh, std::span<const geometry::
   return out;
 }
 
-std::vector<Id> faces_near(const Mesh3f& mesh, const Rayd& ray, double distance) {
+std::vector<Id> faces_near(const Mesh3f& mesh, const RunBoxes& boxes, const Rayd& ray, double distance) {
   std::vector<Id> near;
   if (!finite(ray)) return near;
-  for (std::size_t f = 0; f < mesh.size(); ++f) {
-    const geometry::Triangle3f triangle = mesh.triangle(f);
-    if (!geometry::is_finite(triangle)) continue;
-    const auto box = triangle.box();
-    // A millionth more than asked for swallows the rounding of this test.
-    const double margin = distance * (1 + 1e-6);
-    double enter = -std::numeric_limits<double>::infinity(), leave = -enter;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double low = box.low[axis] - margin - ray.origin[axis],
-                   high = box.high[axis] + margin - ray.origin[axis];
-      if (ray.direction[axis] == 0) {
-        if (low > 0 || high < 0) leave = enter = std::numeric_limits<double>::quiet_NaN();
-        continue;
-      }
-      const double x = low / ray.direction[axis], y = high / ray.direction[axis];
-      enter = std::max(enter, std::min(x, y)), leave = std::min(leave, std::max(x, y));
+  for (std::size_t run = 0; run < boxes.size(); ++run) {
+    if (!boxes.may_pass(run, ray, distance)) continue;
+    const std::size_t end = std::min((run + 1) * RunBoxes::run, mesh.size());
+    for (std::size_t f = run * RunBoxes::run; f < end; ++f) {
+      const geometry::Triangle3f triangle = mesh.triangle(f);
+      if (!geometry::is_finite(triangle)) continue;
+      const auto box = triangle.box();
+      if (passes_box({Vec3d(box.low), Vec3d(box.high)}, ray, distance) &&
+          !surely_beside(triangle, ray, distance * (1 + 1e-6)))
+        near.push_back(static_cast<Id>(f));
     }
-    if (enter <= leave && !surely_beside(triangle, ray, margin)) near.push_back(static_cast<Id>(f));
   }
   return near;
 }

@@ -8,14 +8,14 @@ namespace treeline::datasets {
 namespace {
 
 constexpr int side = 20;  // of the images, in pixels
-constexpr std::size_t faces = 300;
+constexpr std::size_t room_faces = 300;
 const Rgb one = Rgb::filled(1);
 
 LitScene sized(LitScene room) {
   room.camera.width = room.camera.height = side;
   return room;
 }
-LitScene of(const std::string& recipe) { return sized(make_room(recipe, faces, 1)); }
+LitScene of(const std::string& recipe) { return sized(make_room(recipe, room_faces, 1)); }
 
 /// A furnace, scaled and moved: its vertices are rounded, and it stays closed.
 LitScene furnace_at(double scale, double away) {
@@ -96,7 +96,7 @@ void add_furnaces(std::vector<HardLight>& all) {
   add("light_glass_and_mirror", "Veach 1995: only mirrors and glass count what they meet by chance",
       [] { return of("furnace_spheres"); });
   add("light_smooth_metal", "float: GGX at h = n overflows at a roughness of 1e-4 in the textbook's form",
-      [] { return furnace_with([](Painted& p) { sphere(p, faces, metal("metal", one, 1e-4)); }); });
+      [] { return furnace_with([](Painted& p) { sphere(p, room_faces, metal("metal", one, 1e-4)); }); });
   all.back().seldom = true;
   add("light_flat_lamps", "faces without area have no point to be drawn, and no normal", [] {
     return furnace_with([](Painted& p) {

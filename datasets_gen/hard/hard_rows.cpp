@@ -8,7 +8,7 @@ namespace treeline::datasets {
 namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN(),
-                infinity = std::numeric_limits<float>::infinity();
+                endless = std::numeric_limits<float>::infinity();
 
 Vectors random_rows(std::uint64_t seed, std::size_t n, std::size_t columns) {
   Vectors r;
@@ -103,13 +103,13 @@ void add_not_finite(std::vector<HardRows>& all) {
       [](float x, std::size_t i, std::size_t) { return i == 0 ? nan : x; }, as_is);
   add(
       "rows_infinite", "derivation: the mean of a column is infinite", finite_part,
-      [](float x, std::size_t i, std::size_t a) { return i == 77 && a == 2 ? infinity : x; }, as_is);
+      [](float x, std::size_t i, std::size_t a) { return i == 77 && a == 2 ? endless : x; }, as_is);
   add("rows_nan_query", "measured in three dimensions: arbitrary ids",
       "refused with a clear error, or nothing found", as_is,
       [](float x, std::size_t, std::size_t a) { return a == 4 ? nan : x; });
   add("rows_infinite_query", "derivation: every distance is infinite, so all rows tie",
       "refused with a clear error, or every distance infinite", as_is,
-      [](float x, std::size_t, std::size_t a) { return a == 4 ? -infinity : x; });
+      [](float x, std::size_t, std::size_t a) { return a == 4 ? -endless : x; });
 }
 
 }  // namespace

@@ -9,8 +9,8 @@ namespace {
 
 using shading::LightKind;
 
-constexpr std::size_t faces = 200;      // of the scenes with a name: they are flat, but for the sphere
-constexpr int columns = 96, rows = 72;  // of their images
+constexpr std::size_t scene_faces = 200;  // of the scenes with a name: they are flat, but for the sphere
+constexpr int columns = 96, rows = 72;    // of their images
 /// Of an image's angle: its pixels lie otherwise in texels each time. Where one falls on one, all see the
 /// same.
 constexpr double unlike_texels = 0.618034;
@@ -35,7 +35,7 @@ HardShadow& named(std::vector<HardShadow>& all, std::string name, std::string so
 HardShadow& of_scene(std::vector<HardShadow>& all, const std::string& scene, std::string source,
                      std::string law) {
   HardShadow& c = named(all, "shadow_" + scene, std::move(source), std::move(law));
-  c.scene = make_scene(scene, faces, 1);
+  c.scene = make_scene(scene, scene_faces, 1);
   c.scene.camera.width = columns, c.scene.camera.height = rows;
   c.known = known_shadows(scene);
   return c;
@@ -55,7 +55,7 @@ void add_lit(std::vector<HardShadow>& all) {
       named(all, "shadow_light_along_normal",
             "Aaltonen 2018: distances along the way double at each step, and h²/2h is all of h", law);
   Parts parts;
-  parts.floor(8, faces);
+  parts.floor(8, scene_faces);
   flat.scene.mesh = std::move(parts.mesh);
   flat.scene.camera = from_above(2, 3);
   flat.scene.light = {.kind = LightKind::disc,
@@ -114,9 +114,9 @@ void add_soft(std::vector<HardShadow>& all) {
   HardShadow& two =
       under_light("shadow_edges_far_apart", "derivation: the mean of two blockers' depths is neither's");
   Parts parts;
-  parts.floor(12, faces);
-  parts.sheet({-6, 8, -6}, {0, 0, 12}, {6.05, 0, 0}, faces);
-  parts.sheet({-6, 1, -6}, {0, 0, 12}, {6, 0, 0}, faces);
+  parts.floor(12, scene_faces);
+  parts.sheet({-6, 8, -6}, {0, 0, 12}, {6.05, 0, 0}, scene_faces);
+  parts.sheet({-6, 1, -6}, {0, 0, 12}, {6, 0, 0}, scene_faces);
   two.scene.mesh = std::move(parts.mesh);
   two.known.blockers = {{{{0.05, 8, 0}, {0, 0, 1}, {-1, 0, 0}}, {{0, 1, 0}, {0, 0, 1}, {-1, 0, 0}}}, true};
   two.known.lines.push_back({"edge", {-2, 0, 0.1}, {3, 0, 0.3}});
@@ -124,8 +124,8 @@ void add_soft(std::vector<HardShadow>& all) {
   HardShadow& strip =
       under_light("shadow_thin_strip", "derivation: sixteen taps of a blocker search miss a thin strip");
   parts = {};
-  parts.floor(12, faces);
-  parts.sheet({-0.025, 1, -6}, {0, 0, 12}, {0.05, 0, 0}, faces);
+  parts.floor(12, scene_faces);
+  parts.sheet({-0.025, 1, -6}, {0, 0, 12}, {0.05, 0, 0}, scene_faces);
   strip.scene.mesh = std::move(parts.mesh);
   strip.known.blockers = {
       {{{0.025, 1, 0}, {0, 0, 1}, {-1, 0, 0}}, {{-0.025, 1, 0}, {0, 0, 1}, {-1, 0, 0}, -1}}, false};

@@ -9,7 +9,7 @@
 namespace treeline::datasets::hard {
 namespace {
 
-constexpr std::size_t rays = 5000;
+constexpr std::size_t rays_leaving = 5000;
 
 Vec3f cross(const Vec3f& a, const Vec3f& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
@@ -53,7 +53,7 @@ std::vector<HardCase> self_intersection() {
   const auto add = [&](std::string name, const auto& move) {
     RaysOut& out = c.outward.emplace_back();
     out.name = std::move(name);
-    for (std::size_t i = 0; i < rays; ++i) {
+    for (std::size_t i = 0; i < rays_leaving; ++i) {
       Draws draws(131, i);
       const auto t = c.mesh.triangle(i % c.mesh.size());
       float u = static_cast<float>(draws.uniform()), v = static_cast<float>(draws.uniform());

@@ -75,4 +75,10 @@ inline Mesh3f nested(int levels) {
   return mesh;
 }
 
+inline FieldOptions options(int resolution, double band = 3, int threads = 1) {
+  FieldOptions o;
+  o.resolution = resolution, o.band = band, o.threads = threads;
+  return o;
+}
+
 }  // namespace treeline::accel::field::test

@@ -7,12 +7,6 @@
 namespace treeline::accel::field::test {
 namespace {
 
-FieldOptions options(int resolution, double band = 3, int threads = 1) {
-  FieldOptions o;
-  o.resolution = resolution, o.band = band, o.threads = threads;
-  return o;
-}
-
 const std::map<std::string, Mesh3f>& meshes() {
   static const std::map<std::string, Mesh3f> all{
       {"sphere", accel::test::sphere<float>(3)},

@@ -5,12 +5,6 @@
 namespace treeline::accel::field::test {
 namespace {
 
-FieldOptions options(int resolution) {
-  FieldOptions o;
-  o.resolution = resolution;
-  return o;
-}
-
 Rayd aimed(Pcg32& random, double from, double spread) {
   const Vec3d a = normalized(in_box(random, {{-1, -1, -1}, {1, 1, 1}})) * from;
   const Vec3d to = in_box(random, {{-spread, -spread, -spread}, {spread, spread, spread}});

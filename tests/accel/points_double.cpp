@@ -9,7 +9,7 @@
 namespace treeline::accel::test {
 namespace {
 
-using V = geometry::Vec<double, 3>;
+using Vd = geometry::Vec<double, 3>;
 using P = Points<double, 3>;
 using WideTree = Bvh<P, accel::Wide>;
 using Found = Neighbor<double>;
@@ -22,9 +22,9 @@ Cloud mapped(Cloud points, auto f) {
 
 /// Places of 1 to 300 around five cities on a planet: float tells points of none of them apart.
 Cloud cities(std::size_t n) {
-  return mapped(uniform_cloud<double, 3>(n), [](V p, std::size_t i) {
+  return mapped(uniform_cloud<double, 3>(n), [](Vd p, std::size_t i) {
     const auto city = static_cast<double>(i % 5);
-    return V{p[0] * 300 + 4e6 + 1e6 * city, p[1] * 300 + 3e6 - 4e5 * city * city, p[2] * 20 + 1e5 * city};
+    return Vd{p[0] * 300 + 4e6 + 1e6 * city, p[1] * 300 + 3e6 - 4e5 * city * city, p[2] * 20 + 1e5 * city};
   });
 }
 
@@ -32,17 +32,17 @@ std::vector<NamedCloud<double, 3>> far_clouds(std::size_t n) {
   const Cloud even = uniform_cloud<double, 3>(n);
   std::vector<NamedCloud<double, 3>> all;
   const auto add = [&](const char* name, auto f) { all.push_back({name, mapped(even, f)}); };
-  add("1e6 away", [](V p, std::size_t) { return p * 1e-3 + V::filled(1e6); });
-  add("1e9 away", [](V p, std::size_t) { return p * 1e-4 + V{1e9, -1e9, 1e9}; });
-  add("at the last digits", [](V p, std::size_t) { return p * 1e-6 + V::filled(1e9); });
-  add("1e-200", [](V p, std::size_t) { return p * 1e-200; });
-  add("1e200", [](V p, std::size_t) { return p * 1e200 + V::filled(1e200); });
-  add("one at 1e30", [](V p, std::size_t i) { return i == 77 ? V{1e30, -1e30, 1e30} : p; });
-  add("one at 1e300", [](V p, std::size_t i) { return i == 77 ? V{1e300, 0, 0} : p; });
-  add("two scales", [](V p, std::size_t i) { return i % 2 ? p * 1e-9 + V::filled(0.5) : p; });
-  add("float ties", [](V p, std::size_t i) { return V::filled(0.5) + p * (i % 3 ? 1e-8 : 1.0); });
-  add("lump", [](V p, std::size_t i) { return i % 2 ? V{0.3, 0.4, 0.5} : p; });
-  add("thirds", [](V p, std::size_t) {  // ties, at places that no float holds
+  add("1e6 away", [](Vd p, std::size_t) { return p * 1e-3 + Vd::filled(1e6); });
+  add("1e9 away", [](Vd p, std::size_t) { return p * 1e-4 + Vd{1e9, -1e9, 1e9}; });
+  add("at the last digits", [](Vd p, std::size_t) { return p * 1e-6 + Vd::filled(1e9); });
+  add("1e-200", [](Vd p, std::size_t) { return p * 1e-200; });
+  add("1e200", [](Vd p, std::size_t) { return p * 1e200 + Vd::filled(1e200); });
+  add("one at 1e30", [](Vd p, std::size_t i) { return i == 77 ? Vd{1e30, -1e30, 1e30} : p; });
+  add("one at 1e300", [](Vd p, std::size_t i) { return i == 77 ? Vd{1e300, 0, 0} : p; });
+  add("two scales", [](Vd p, std::size_t i) { return i % 2 ? p * 1e-9 + Vd::filled(0.5) : p; });
+  add("float ties", [](Vd p, std::size_t i) { return Vd::filled(0.5) + p * (i % 3 ? 1e-8 : 1.0); });
+  add("lump", [](Vd p, std::size_t i) { return i % 2 ? Vd{0.3, 0.4, 0.5} : p; });
+  add("thirds", [](Vd p, std::size_t) {  // ties, at places that no float holds
     for (double& x : p.v) x = std::floor(x * 12) / 3 + 1e5;
     return p;
   });
@@ -56,7 +56,7 @@ Cloud far_queries(const Cloud& points) {
   const std::size_t near = queries.size();
   for (std::size_t i = 1; i < near; i += 3)
     for (const double step : {1e-12, 1e-7, 1.0, 1e5, 1e12})
-      queries.push_back(queries[i] + V{step, -step, step / 3} * (1 + std::abs(queries[i][0])));
+      queries.push_back(queries[i] + Vd{step, -step, step / 3} * (1 + std::abs(queries[i][0])));
   return queries;
 }
 
@@ -77,7 +77,7 @@ TEST(PointDouble, AnswersAreThoseOfBruteForce) {
           ASSERT_TRUE(std::ranges::equal(std::span(batch).subspan(i * k, k), theirs)) << "query " << i;
         }
       }
-      for (const V& q : queries) {
+      for (const Vd& q : queries) {
         std::vector<Found> near(40), mine, theirs, few(9), their_few(9);
         brute.nearest(q, near.size(), near);
         for (const std::size_t rank : {0, 5, 39}) {
@@ -115,7 +115,7 @@ double tested(const Cloud& points, const Cloud& queries) {
   const WideTree tree(points);
   Work work;
   std::vector<Found> out(8);
-  for (const V& q : queries) tree.nearest(q, 8, out, work);
+  for (const Vd& q : queries) tree.nearest(q, 8, out, work);
   return static_cast<double>(work.primitives) / static_cast<double>(queries.size());
 }
 Cloud every(const Cloud& points, std::size_t step) {
@@ -132,9 +132,9 @@ TEST(PointDouble, VisitsDoNotDependOnWhereTheCloudIs) {
   const double plain = tested(even, at);
   EXPECT_LT(plain, 130);
   const auto moved = [&](auto f) { return tested(mapped(even, f), mapped(at, f)); };
-  EXPECT_NEAR(moved([](V p, std::size_t) { return p * 1e-3 + V::filled(1e9); }), plain, 0.1 * plain);
-  EXPECT_NEAR(moved([](V p, std::size_t) { return p * 1e-200; }), plain, 0.1 * plain);
-  EXPECT_NEAR(moved([](V p, std::size_t) { return p * 1e200; }), plain, 0.1 * plain);
+  EXPECT_NEAR(moved([](Vd p, std::size_t) { return p * 1e-3 + Vd::filled(1e9); }), plain, 0.1 * plain);
+  EXPECT_NEAR(moved([](Vd p, std::size_t) { return p * 1e-200; }), plain, 0.1 * plain);
+  EXPECT_NEAR(moved([](Vd p, std::size_t) { return p * 1e200; }), plain, 0.1 * plain);
   Cloud outlier = even;
   outlier[5] = {1e30, -1e30, 1e30};
   EXPECT_NEAR(tested(outlier, at), plain, 0.1 * plain);
@@ -142,7 +142,7 @@ TEST(PointDouble, VisitsDoNotDependOnWhereTheCloudIs) {
   EXPECT_LT(tested(places, every(places, 97)), 1.5 * plain);
   // From afar the cloud's near side is all there is to see, in double as near by.
   Cloud afar;
-  for (const V& q : every(even, 97)) afar.push_back(q + V{2e7, 1e7, 3e7});
+  for (const Vd& q : every(even, 97)) afar.push_back(q + Vd{2e7, 1e7, 3e7});
   EXPECT_LT(tested(even, afar), 20 * plain);
 }
 
@@ -150,8 +150,8 @@ TEST(PointDouble, VisitsDoNotDependOnWhereTheCloudIs) {
 // distance is never below what distances() makes of its box; what is said to lie within does.
 TEST(PointDouble, FloatBoundsAreBounds) {
   geometry::Pcg32 random(5);
-  const Cloud points = mapped(uniform_cloud<double, 3>(5000), [&](V p, std::size_t i) {
-    return p * std::ldexp(1.0, -static_cast<int>(i % 40)) + V::filled(i % 2 ? 1000.0 / 3 : 0.0);
+  const Cloud points = mapped(uniform_cloud<double, 3>(5000), [&](Vd p, std::size_t i) {
+    return p * std::ldexp(1.0, -static_cast<int>(i % 40)) + Vd::filled(i % 2 ? 1000.0 / 3 : 0.0);
   });
   const PointSet<double, 3> set(points, {});
   const auto tree = wide::built(set, false, 1);
@@ -160,9 +160,9 @@ TEST(PointDouble, FloatBoundsAreBounds) {
     const std::size_t leaf = random.below(static_cast<std::uint32_t>(tree.leaves.size()));
     const int lane = static_cast<int>(random.below(4));
     const wide::Leaf<3, double>& of = tree.leaves[leaf];
-    const V p{of.x[0][lane], of.x[1][lane], of.x[2][lane]};
+    const Vd p{of.x[0][lane], of.x[1][lane], of.x[2][lane]};
     const auto direction = normalized(uniform_point<double, 3>(random, -1, 1));
-    const V q = p + direction * std::ldexp(1.0, static_cast<int>(random.below(60)) - 45);
+    const Vd q = p + direction * std::ldexp(1.0, static_cast<int>(random.below(60)) - 45);
     const auto place = wide::placed(tree, q);
     const auto query = wide::query_of(tree, place);
     const double distance2 = squared_distance(p, q);
@@ -179,7 +179,7 @@ TEST(PointDouble, FloatBoundsAreBounds) {
           ++contained;
           ASSERT_LE(distance2, distance2 * 2);
           for (std::size_t j = 0; l == 1 && j < 16 && of.id[j] != no_id; ++j)
-            ASSERT_LE(squared_distance(V{of.x[0][j], of.x[1][j], of.x[2][j]}, q), distance2 * 2);
+            ASSERT_LE(squared_distance(Vd{of.x[0][j], of.x[1][j], of.x[2][j]}, q), distance2 * 2);
         }
       }
       coarse += place.coarse, ++trials;

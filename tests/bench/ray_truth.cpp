@@ -112,7 +112,7 @@ TEST(RayTruth, FindsEveryFaceNearARay) {
     for (const Rayf& r : set.rays) {
       const Rayd ray{Vec3d(r.origin), Vec3d(r.direction), r.t_min, r.t_max};
       for (const double distance : {0.0, 1e-9, 1e-4, 0.1}) {
-        const auto near = faces_near(mesh, ray, distance);
+        const auto near = faces_near(mesh, RunBoxes(mesh), ray, distance);
         kept += near.size();
         // What a ray moved by the distance hits must be among them.
         for (int axis = 0; axis < 3; ++axis)

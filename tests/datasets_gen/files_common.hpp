@@ -54,4 +54,10 @@ inline const geometry::Mesh3f& small_mesh() {
   return mesh;
 }
 
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
 }  // namespace treeline::datasets

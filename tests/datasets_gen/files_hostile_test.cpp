@@ -24,12 +24,6 @@ class Hostile : public FolderTest {
   }
 };
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
-
 TEST_F(Hostile, EmptyMissingAndUnknownFiles) {
   for (const std::string e : {"ply", "obj", "stl", "off", "glb", "gltf", "pcd", "xyz", "csv"})
     if (reads(e)) refused("empty." + e, "", "", "empty");

@@ -30,12 +30,6 @@ void expect_says(const std::string& answer, const std::string& words) {
   EXPECT_NE(answer.find(words), std::string::npos) << "wanted: " << words << "\nsaid:   " << answer;
 }
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return at == std::string::npos ? text : text.replace(at, from.size(), to);
-}
-
 const std::string ply_start = "ply\nformat ascii 1.0\nelement vertex 4\n";
 const std::string ply_xyz = "property float x\nproperty float y\nproperty float z\n";
 const std::string ply_faces = "element face 2\nproperty list uchar int vertex_indices\n";

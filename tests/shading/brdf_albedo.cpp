@@ -13,7 +13,7 @@ namespace treeline::shading::brdf::test {
 namespace {
 
 using geometry::Vec3d;
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Calls use(Microfacets<...>) of the material's own distribution.
 template <class Use>

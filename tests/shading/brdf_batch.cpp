@@ -20,7 +20,7 @@ using geometry::Pcg32;
 using geometry::Vec3d;
 using geometry::Vec3f;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Relative error of batches' f and pdf; Beckmann's exponential e^-x multiplies x's own by x.
 constexpr double relative = 4e-6;

@@ -10,7 +10,7 @@
 namespace treeline::shading::brdf {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Largest of error(x) over many x from low to high.
 template <class Error>

@@ -15,7 +15,7 @@ namespace treeline::shading::light {
 namespace {
 
 using geometry::Pcg32;
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 const Vec3d radiance{1, 2, 0.5};
 
 struct Estimate {

@@ -12,7 +12,7 @@ namespace treeline::shading::light {
 namespace {
 
 using geometry::Pcg32;
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr long samples = 50'000;
 
 /// Of one sampler: bins in rings around the axis, half of them within the width.

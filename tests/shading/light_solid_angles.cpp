@@ -15,8 +15,8 @@ namespace treeline::shading::light {
 namespace {
 
 using geometry::Pcg32;
+using std::numbers::pi;
 using test::integral;
-constexpr double pi = std::numbers::pi;
 
 /// Of the patch at(s, t) over the unit square, with area element and normal by at's exact derivatives: the
 /// integral of |cosine| / r². at gives {point, cross product of derivatives}.

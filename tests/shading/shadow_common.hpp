@@ -22,6 +22,15 @@ inline LightView parallel_view(double half = 1) {
   return v;
 }
 
+/// Of a light that hangs over what it lights, at depth d_r of its map.
+constexpr double d_r = 10;
+inline Light square_light(double half_side) {
+  Light light;
+  light.kind = LightKind::rectangle, light.direction = {0, 0, 1};
+  light.u = {half_side, 0, 0}, light.v = {0, half_side, 0};
+  return light;
+}
+
 /// A light at the origin that looks along +z.
 inline LightView perspective_view(double tangent, double near, double far) {
   LightView v;

@@ -105,13 +105,6 @@ TEST(Taps, LieWhereTheyShouldAndTurnWithinIt) {
 
 // ---- soft shadows --------------------------------------------------------------------------------------
 
-Light square_light(double half_side) {
-  Light light;
-  light.kind = LightKind::rectangle, light.direction = {0, 0, 1};
-  light.u = {half_side, 0, 0}, light.v = {0, half_side, 0};
-  return light;
-}
-constexpr double d_r = 10;
 const LightView lamp_view = perspective_view(0.5, 1, 11);
 
 PcssOptions dense() {

@@ -16,7 +16,7 @@ namespace {
 using namespace shading::test;
 using Tree = accel::Bvh<accel::Triangles<float, geometry::Watertight>, accel::Wide>;
 using geometry::Pcg32;
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 AreaRayOptions options(int samples, SamplePattern pattern = SamplePattern::sobol_owen,
                        std::uint64_t seed = 0) {

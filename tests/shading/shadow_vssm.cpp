@@ -134,14 +134,7 @@ TEST(DepthPyramid, BoundsEveryTexelOfTheBox) {
 
 // ---- the method ----------------------------------------------------------------------------------------
 
-constexpr double d_r = 10;
-const LightView lamp_view = perspective_view(0.5, 1, 21);
-Light square_light(double half_side) {
-  Light light;
-  light.kind = LightKind::rectangle, light.direction = {0, 0, 1};
-  light.u = {half_side, 0, 0}, light.v = {0, half_side, 0};
-  return light;
-}
+const LightView far_lamp_view = perspective_view(0.5, 1, 21);
 
 struct Tables {
   DepthMap map;
@@ -156,7 +149,7 @@ struct Tables {
 TEST(Vssm, ParallelPlanesHaveTheExactPenumbra) {
   for (const double d_b : {4.0, 7.0, 9.0}) {
     const double w_l = 0.6, w = (d_r - d_b) * w_l / d_b;
-    const Tables t(filled(lamp_view, 1024, [=](double x, double) { return x < 0 ? d_b : d_r; }));
+    const Tables t(filled(far_lamp_view, 1024, [=](double x, double) { return x < 0 ? d_b : d_r; }));
     for (const BelowMean kind : {BelowMean::lit, BelowMean::formula, BelowMean::cut}) {
       const Vssm method = t.method(w_l, {.below_mean = kind});
       double square = 0;
@@ -176,7 +169,7 @@ TEST(Vssm, CuttingFindsWhatTheMeanHides) {
   // A floor far behind shows past the blocker: the mean over the box is behind the receiver, the blocker
   // hides three quarters of the light.
   const double d_b = 9, w_l = 0.9, w = (d_r - d_b) * w_l / d_b, x = -0.25 * w;
-  const Tables t(filled(lamp_view, 2048, [=](double a, double) { return a < 0 ? d_b : 20.9; }));
+  const Tables t(filled(far_lamp_view, 2048, [=](double a, double) { return a < 0 ? d_b : 20.9; }));
   const Receiver r = facing(x, 0.2, d_r);
   EXPECT_EQ(t.method(w_l, {.below_mean = BelowMean::lit, .early = false}).visibility(r), 1);
   EXPECT_NEAR(t.method(w_l, {.below_mean = BelowMean::cut, .parts = 16}).visibility(r), 0.25, 0.08);
@@ -184,7 +177,7 @@ TEST(Vssm, CuttingFindsWhatTheMeanHides) {
 
 TEST(Vssm, EarlyAnswersAreThoseOfTheTables) {
   Pcg32 random(5);
-  const Tables t(filled(lamp_view, 256, [](double x, double y) {
+  const Tables t(filled(far_lamp_view, 256, [](double x, double y) {
     return std::hypot(x, y) < 0.15 ? 6 : x + y > 0.5 ? 3 : d_r;
   }));
   const Vssm early = t.method(0.5, {.early = true}), late = t.method(0.5, {.early = false});
@@ -218,7 +211,7 @@ TEST(Vssm, ALitTiltedPlaneStaysLit) {
 }
 
 TEST(Vssm, RefusesWhatItCannotTake) {
-  const Tables t(filled(lamp_view, 16, [](double, double) { return 5; }));
+  const Tables t(filled(far_lamp_view, 16, [](double, double) { return 5; }));
   EXPECT_THROW(Vssm(t.map, t.sums, nullptr, square_light(1)), InvalidScene);
   EXPECT_THROW(t.method(1, {.parts = 0}), InvalidScene);
   EXPECT_NO_THROW(Vssm(t.map, t.sums, nullptr, square_light(1), {.early = false}));
