@@ -47,10 +47,11 @@ ClosestOnTriangle<float> closest_on_thin_triangle(const Vec<float, 3>& p, const 
 /// Method: the nearest of four candidates, one on each edge and, where the triangle has an area and p
 /// projects into it, one on the face. Every candidate is a point of the triangle, so that the answer stays an
 /// upper bound whatever rounding does, and needles, segments and single points need no case of their own. A
-/// triangle whose squared area could over- or underflow is looked at scaled by a power of two; in float, one
-/// that is thin at corner a is looked at in double.
-/// Cost: about 90 operations and 4 divisions (Ericson 2005, section 5.1.5, skips some of them but loses
-/// slivers); twice that for a triangle of no area, or a thin one in float.
+/// triangle whose squared area could over- or underflow is looked at scaled by a power of two; one that is
+/// thin at corner a is looked at in double, where a second step from the point found first takes back what
+/// the first was off by along the triangle. Cost: about 90 operations and 4 divisions (Ericson 2005,
+/// section 5.1.5, skips some of them but loses slivers); twice that for a triangle of no area, or a thin one
+/// in float.
 template <class T, bool extreme = false>
 ClosestOnTriangle<T> closest_point_on_triangle(const Vec<T, 3>& p, const Triangle<T>& triangle) {
   const Vec<T, 3> ab = triangle.b - triangle.a, ac = triangle.c - triangle.a, normal = cross(ab, ac);
@@ -83,7 +84,12 @@ ClosestOnTriangle<T> closest_point_on_triangle(const Vec<T, 3>& p, const Triangl
 
   const Vec<T, 3> ap = p - triangle.a;
   if (area2 > T(0)) {
-    const T v = dot(cross(ap, ac), normal) / area2, w = dot(cross(ab, ap), normal) / area2;
+    T v = dot(cross(ap, ac), normal) / area2, w = dot(cross(ab, ap), normal) / area2;
+    if constexpr (!std::is_same_v<T, float>)
+      if (area2 < T(detail::thin_sine2) * length2(ab) * length2(ac)) [[unlikely]] {
+        const Vec<T, 3> rest = p - (triangle.a + (ab * v + ac * w));
+        v += dot(cross(rest, ac), normal) / area2, w += dot(cross(ab, rest), normal) / area2;
+      }
     if (v > T(0) && w > T(0) && v + w < T(1)) offer(triangle.a + (ab * v + ac * w), 0);
   }
   return best;

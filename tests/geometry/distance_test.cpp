@@ -120,10 +120,12 @@ TEST(TriangleDistance, BoundedBelowByTheBoxInFloatToo) {
   }
 }
 
-// Float's own cross product tells nothing of a sliver's face; against distances in exact arithmetic.
-TEST(TriangleDistance, FloatKeepsSlivers) {
+// Float's own cross product tells nothing of a sliver's face, and double's little of where along it a point
+// is nearest; against distances in exact arithmetic.
+TEST(TriangleDistance, KeepsSlivers) {
   Pcg32 random(8);
   const float bound = 64 * tolerance::unit_roundoff<float>;  // of coordinates up to 2
+  const double fine = 64 * tolerance::unit_roundoff<double>;
   for (int n = 0; n < 100000; ++n) {
     const float thin = std::pow(10.0f, -random.uniform<float>(0, 6));
     const Vec3f a = random_vec<float>(random), d = random_vec<float>(random);
@@ -140,6 +142,9 @@ TEST(TriangleDistance, FloatKeepsSlivers) {
     ASSERT_NEAR(length(Vec3d(p) - Vec3d(r.point)), truth, bound) << "thinness " << thin << ", try " << n;
     ASSERT_LE(std::sqrt(exact_distance2(Vec3d(r.point), Triangle3d(t))), bound);
     ASSERT_TRUE(t.box().contains(r.point));
+    const auto wide = closest_point_on_triangle(Vec3d(p), Triangle3d(t));
+    ASSERT_NEAR(length(Vec3d(p) - wide.point), truth, fine) << "thinness " << thin << ", try " << n;
+    ASSERT_LE(std::sqrt(exact_distance2(wide.point, Triangle3d(t))), fine);
   }
 }
 
