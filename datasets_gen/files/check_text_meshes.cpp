@@ -50,7 +50,7 @@ Checked check_obj(const Input& in) {
   std::string faces;
   std::vector<std::uint64_t> corners;
   std::uint64_t largest = 0;
-  std::size_t largest_line = 0;
+  std::size_t largest_line = 0, repeating = 0, repeating_line = 0;
   while (lines.next(line)) {
     const std::size_t at = lines.number();
     if (line.ends_with('\\')) {  // goes on in the next line
@@ -79,10 +79,12 @@ Checked check_obj(const Input& in) {
         corners.push_back(static_cast<std::uint64_t>(from_one));
         if (corners.back() > largest) largest = corners.back(), largest_line = at;
       }
-      if (different(corners) < 3) {
+      const std::size_t kept = different(corners);
+      if (kept < 3) {
         ++r.dropped;
         continue;
       }
+      if (kept < corners.size() && repeating++ == 0) repeating_line = at;
       faces += 'f';
       for (const std::uint64_t c : corners) faces += ' ' + std::to_string(c);
       faces += '\n';
@@ -98,6 +100,11 @@ Checked check_obj(const Input& in) {
     if (s.count > 0)
       r.notes.push_back("left out " + std::to_string(s.count) + " statements '" + std::string(s.word) +
                         "' (" + std::string(s.what) + "): only vertices and faces are read");
+  if (repeating > 0)
+    r.notes.push_back(
+        std::to_string(repeating) + " faces, the first in line " + std::to_string(repeating_line) +
+        ", name a vertex more than once: it was taken once, so that holes joined to their outline " +
+        "by an edge are filled");
   if (largest > r.vertices)
     in.fail_line(largest_line, "names vertex " + std::to_string(largest) + " of " +
                                    std::to_string(r.vertices) + " (counted from 1)");

@@ -393,12 +393,18 @@ TEST_F(Reading, FillsPolygonsThatAreNotConvex) {
         "v 0 10 0\nv -6 -8 0\nv 9.5 3 0\nv -9.5 3 0\nv 6 -8 0\nf 1 2 3 4 5\n",
         "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nv 1 1 0\nv 5 1 0\nv 5 5 0\nv 1 5 0\nf 1 2 3 4 5 6 7 8\n"})
     EXPECT_EQ(read(put("twice.obj", twice)).notes.size(), 1u) << twice;
-  // One with a hole, along a bridge, goes around once. (OpenMesh drops corners of one index.)
+  // One with a hole, along a bridge, goes around once; by indices named twice it is filled, and that is told.
   const Dataset framed = read(put("framed.obj",
                                   "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nv 0 0 0\nv 1 1 0\nv 1 5 0\nv 5 5 0\n"
                                   "v 5 1 0\nv 1 1 0\nf 1 2 3 4 5 6 7 8 9 10\n"));
   EXPECT_TRUE(framed.notes.empty());
   EXPECT_NEAR(areas(framed.mesh).first, 81 - 16, 1e-4);
+  const Dataset filled = read(put("filled.obj",
+                                  "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nv 1 1 0\nv 1 5 0\nv 5 5 0\nv 5 1 0\n"
+                                  "f 1 2 3 4 1 5 6 7 8 5\n"));
+  ASSERT_GE(filled.notes.size(), 1u);
+  EXPECT_NE(filled.notes[0].find("the first in line 9, name a vertex more than once"), std::string::npos)
+      << filled.notes[0];
 }
 
 }  // namespace
