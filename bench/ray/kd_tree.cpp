@@ -13,7 +13,8 @@ const bool registered = register_tree<accel::KdTree, sizeof(accel::KdTriangleNod
      .ladder = 20,
      .sweep_up_to_n = 500'000,  // at a million triangles one build takes three seconds
      .quick_builds = 1,
-     .largest_n = 3'000'000});
+     .largest_n = 3'000'000,
+     .quick_largest_n = 500'000});
 
 }  // namespace
 }  // namespace treeline::bench::ray

@@ -20,7 +20,7 @@ std::size_t rays_per_set(std::size_t n, Profile profile) {
     case Profile::smoke:
       return 256;
     case Profile::quick:
-      return large ? 8192 : 4096;
+      return large ? 8192 : 2048;
     case Profile::full:
       return large ? 262144 : 65536;
   }

@@ -1,7 +1,9 @@
 // The task closest_point as a whole: its methods are those that CMake lists, ours keep their claims on every
 // hard case and mesh, and what it cannot take it refuses by name.
 #include <gtest/gtest.h>
+
 #include <sys/wait.h>
+#include <algorithm>
 
 #include <cstdlib>
 #include <filesystem>
@@ -34,12 +36,15 @@ TEST(ClosestPointTask, HasTheMethodsThatCMakeLists) {
   EXPECT_EQ(names, listed);
 }
 
-/// Every build and query knob of ours on every query set of a block.
-void expect_claims_kept(const ClosestPointTask& task, Block& block, double largest_error = 1) {
+/// Every build and query knob of ours on every query set of a block; of hard cases those builds that the hard
+/// cases themselves (known_failures) leave out.
+void expect_claims_kept(const ClosestPointTask& task, Block& block, bool hard, double largest_error = 1) {
   for (std::size_t m = 0; m < task.methods().size(); ++m) {
     const MethodInfo& info = task.methods()[m];
     if (info.source != Source::ours) continue;
-    for (const Knobs& build : info.build_knobs) {
+    for (std::size_t b = 0; b < info.build_knobs.size(); ++b) {
+      if (hard && std::ranges::count(info.stress_builds, b) > 0) continue;
+      const Knobs& build = info.build_knobs[b];
       std::unique_ptr<Subject> subject;
       try {
         subject = block.build(m, build, 1);
@@ -72,7 +77,7 @@ TEST(ClosestPointTask, OursKeepTheirClaimsOnAllHardCases) {
   const ClosestPointTask task;
   for (const BlockSpec& spec : task.hard_blocks()) {
     SCOPED_TRACE(spec.label());
-    expect_claims_kept(task, *task.open(spec, smoke_context()));
+    expect_claims_kept(task, *task.open(spec, smoke_context()), true);
   }
 }
 
@@ -82,7 +87,7 @@ TEST(ClosestPointTask, OursKeepTheirClaimsOnEveryMesh) {
        {"icosphere", "terrain", "architecture", "forest", "nested_shells", "torus_knot", "needles", "caps",
         "icosphere+duplicated_5", "icosphere+degenerate_5", "icosphere+unwelded"}) {
     SCOPED_TRACE(name);
-    expect_claims_kept(task, *task.open(BlockSpec{name, 2000}, smoke_context(7)), 1e-6);
+    expect_claims_kept(task, *task.open(BlockSpec{name, 2000}, smoke_context(7)), false, 1e-6);
   }
 }
 

@@ -69,8 +69,8 @@ TEST(RayTruth, AgreesWithTheOracleOnAllHardCases) {
     SCOPED_TRACE(c.name);
     // The exact kernel is slow where nothing can be told apart by intervals: an even selection will do there.
     std::vector<Rayf> rays;
-    const std::size_t least = c.mesh.size() > 30'000 ? 1 : 20;
-    const std::size_t most = std::max(least, 200'000 / std::max<std::size_t>(c.mesh.size(), 1));
+    const std::size_t least = c.mesh.size() > 30'000 ? 1 : 10;
+    const std::size_t most = std::max(least, 80'000 / std::max<std::size_t>(c.mesh.size(), 1));
     const std::size_t step = std::max<std::size_t>(1, c.rays.size() / most);
     for (std::size_t i = 0; i < c.rays.size(); i += step) rays.push_back(c.rays[i]);
     for (const auto& out : c.outward) rays.push_back(out.rays.front());
