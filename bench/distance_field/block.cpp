@@ -83,7 +83,10 @@ class FieldBlock final : public Block {
         input_(std::move(input)),
         box_(finite_box()),
         side_(longest_side(box_)),
-        slack_(geometry::tolerance::sample_slack<float> * reach()) {
+        slack_(geometry::tolerance::sample_slack<float> * reach() +
+               4 * double(std::numeric_limits<float>::denorm_min())) {
+    if (!(side_ > 0))
+      throw std::invalid_argument("the mesh is a single point: nothing to sample a field over");
     make_points();
     make_rays();
     sets_ = {{"near", points_[Set::near].size()},
@@ -256,7 +259,7 @@ class FieldBlock final : public Block {
       tally.add(std::min(std::abs(error), 1.0), std::clamp(error, -1.0, 1.0));
       if (!bounded || !subject.field()->certain(Vec3d(rays_[i].origin), knobs)) continue;
       plain_misses += !hit && !a.doubtful && !a.exhausted;
-      groundless += a.doubtful && is_clear(subject, knobs, rays_[i]);
+      groundless += (a.doubtful || a.exhausted) && is_clear(subject, knobs, rays_[i]);
       if (silent) broken(e, fmt::format("ray {} meets the surface at {:g}, told a miss", i, t));
       const auto at = [&](double s) { return Vec3d(rays_[i].origin) + Vec3d(rays_[i].direction) * s; };
       if (hit) met.push_back({i, at(double(a.t)), 1});

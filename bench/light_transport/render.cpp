@@ -59,6 +59,16 @@ treeline::shading::LitScene read_room(const Arguments& a) {
 void check(const Arguments& a) {
   if (!(a.n >= 1) || a.n > 1e9 || a.n != std::floor(a.n))
     throw CLI::ValidationError("--n is no number of triangles");
+  if (!std::isfinite(a.exposure) || !std::isfinite(a.error) ||
+      (a.exposure > 0 && !std::isfinite(1 / a.exposure)))
+    throw CLI::ValidationError("--exposure and --error must be numbers within range");
+  for (const std::string& file : {a.exr, a.png}) {
+    if (file.empty()) continue;
+    const std::filesystem::path path(file), folder = path.has_parent_path() ? path.parent_path() : ".";
+    if (!std::filesystem::is_directory(folder) || ::access(folder.c_str(), W_OK) != 0)
+      throw CLI::ValidationError(file + ": its folder is not there or cannot be written to");
+    if (std::filesystem::is_directory(path)) throw CLI::ValidationError(file + " is a folder");
+  }
   for (const std::string& file : {a.exr, a.png})
     if (!file.empty() && !a.force && std::filesystem::exists(file))
       throw CLI::ValidationError(file + " exists already; --force replaces it");

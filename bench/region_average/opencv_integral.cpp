@@ -21,7 +21,8 @@ class Integral final : public Averager {
       eight_bits_.reserve(input.image.values.size());
       for (const float v : input.image.values) {
         const float level = std::floor(v * 255 + 0.5f);
-        if (!(level / 255 == v)) throw Unsupported("takes textures of 8 bits, and this one has other values");
+        if (!(v >= 0 && v <= 1 && level / 255 == v))
+          throw Unsupported("takes textures of 8 bits, and this one has other values");
         eight_bits_.push_back(static_cast<unsigned char>(level));
       }
     }

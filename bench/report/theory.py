@@ -13,7 +13,8 @@ alt = charts.alt
 
 CAPTION = """Cases made so that theory says what a method gets wrong, or how wide it makes a penumbra: what its row says against
 what it should. On the line they agree; what is farther off it than its bar, which is what so many queries may leave, is a
-mistake of ours or of the theory. A mark's tooltip names its case and knobs. {words}"""
+mistake of ours or of the theory. Gaps, leaks and widths of penumbrae have no bar yet: the pixels they are measured by leave a few
+per cent of them, of a gap of a texel or two up to a fifth. A mark's tooltip names its case and knobs. {words}"""
 NAMES = {
     "shadow_false_dark": ("False shadow", "share of a plane, tilted or a slab's top, that shadows itself under too little bias"),
     "shadow_gap": ("Gap", "length of shadow that a bias takes from a wall's foot, metres"),

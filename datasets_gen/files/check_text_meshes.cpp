@@ -101,10 +101,9 @@ Checked check_obj(const Input& in) {
       r.notes.push_back("left out " + std::to_string(s.count) + " statements '" + std::string(s.word) +
                         "' (" + std::string(s.what) + "): only vertices and faces are read");
   if (repeating > 0)
-    r.notes.push_back(
-        std::to_string(repeating) + " faces, the first in line " + std::to_string(repeating_line) +
-        ", name a vertex more than once: it was taken once, so that holes joined to their outline " +
-        "by an edge are filled");
+    r.notes.push_back("polygons that name a vertex more than once: " + std::to_string(repeating) +
+                      ", the first in line " + std::to_string(repeating_line) +
+                      "; it was taken once, so that holes joined to their outline by an edge are filled");
   if (largest > r.vertices)
     in.fail_line(largest_line, "names vertex " + std::to_string(largest) + " of " +
                                    std::to_string(r.vertices) + " (counted from 1)");

@@ -1,5 +1,6 @@
 // A stage for any mesh.
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include "datasets_gen/scenes/parts.hpp"
@@ -25,6 +26,21 @@ Box3d box_of(const geometry::Mesh3f& mesh) {
   return box;
 }
 
+/// What no face names, or no ray can meet, shall not stretch the scene: it is moved to the middle, or made
+/// NaN.
+void confine(geometry::Mesh3f& mesh, const geometry::Vec3f& middle) {
+  std::vector<bool> named(mesh.vertices.size());
+  for (const auto& face : mesh.faces)
+    for (const auto v : face) named[v] = true;
+  for (std::size_t v = 0; v < named.size(); ++v) {
+    auto& p = mesh.vertices[v];
+    if (!named[v])
+      p = middle;
+    else if (!is_finite(p))
+      p = geometry::Vec3f::filled(std::numeric_limits<float>::quiet_NaN());
+  }
+}
+
 }  // namespace
 
 shading::Scene scene_of_mesh(geometry::Mesh3f mesh, std::string name, const Staging& staging) {
@@ -33,6 +49,7 @@ shading::Scene scene_of_mesh(geometry::Mesh3f mesh, std::string name, const Stag
     throw std::invalid_argument("the scene's up is not a unit vector");
   const Box3d box = box_of(mesh);
   const Vec3d centre = box.centre();
+  confine(mesh, geometry::Vec3f(centre));
   Vec3d half = scaled(box.extent(), 0.5);
   const double radius = std::max(std::sqrt(dot_portable(half, half)), 1e-30);
 

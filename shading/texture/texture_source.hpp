@@ -56,7 +56,7 @@ struct Levels {
   float low = 0, per_value = top;  ///< level = (value - low) * per_value, rounded
 
   /// Between two levels.
-  double step() const { return 1 / double(per_value); }
+  double step() const { return per_value > 0 ? 1 / double(per_value) : 0; }
   double value(double level) const { return double(low) + level * step(); }
 
   /// Over the range of an image. Throws InvalidTexture where it is beyond that of float.

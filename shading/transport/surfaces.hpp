@@ -143,6 +143,9 @@ inline Surfaces::Surfaces(const LitScene& scene) : emitters_(scene), background_
   for (int k = 0; k < 3; ++k)
     reach =
         std::max({reach, box.high[k] - box.low[k], std::abs(box.low[k]) / 16, std::abs(box.high[k]) / 16});
+  // Squared distances of floats, and of a point to what it was moved off, stay within range.
+  if (!scene.mesh.faces.empty() && !(reach > 1e-15 && reach < 1e15))
+    throw InvalidScene("the scene reaches " + std::to_string(reach) + " m; taken are 1e-15 to 1e15 m");
   offset_ = static_cast<float>(double(geometry::tolerance::shadow_offset<float>) * reach);
 }
 

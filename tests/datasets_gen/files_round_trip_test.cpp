@@ -403,7 +403,7 @@ TEST_F(Reading, FillsPolygonsThatAreNotConvex) {
                                   "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nv 1 1 0\nv 1 5 0\nv 5 5 0\nv 5 1 0\n"
                                   "f 1 2 3 4 1 5 6 7 8 5\n"));
   ASSERT_GE(filled.notes.size(), 1u);
-  EXPECT_NE(filled.notes[0].find("the first in line 9, name a vertex more than once"), std::string::npos)
+  EXPECT_NE(filled.notes[0].find("name a vertex more than once: 1, the first in line 9"), std::string::npos)
       << filled.notes[0];
 }
 

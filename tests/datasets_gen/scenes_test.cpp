@@ -204,6 +204,14 @@ TEST(Stage, TakesAnyUpAndLeavesBrokenVerticesOut) {
   EXPECT_EQ(scene_of_mesh(d.mesh, "hills", {.up = {0, 0, 1}, .floor = false}).mesh.size(), faces);
   EXPECT_THROW(scene_of_mesh(d.mesh, "hills", {.up = {0, 0, 2}}), std::invalid_argument);
   EXPECT_THROW(scene_of_mesh({}, "nothing"), std::invalid_argument);
+  // What no face names, or no ray can meet, does not stretch it.
+  geometry::Mesh3f stray = d.mesh;
+  stray.vertices.push_back({1e6f, 1e6f, 1e6f});
+  EXPECT_EQ(scene_of_mesh(stray, "hills", {.up = {0, 0, 1}}).mesh.box(), s.mesh.box());
+  const auto first = static_cast<std::uint32_t>(stray.vertices.size());
+  stray.vertices.push_back({std::numeric_limits<float>::infinity(), 0, 0});
+  stray.faces.push_back({0, 1, first});
+  EXPECT_EQ(scene_of_mesh(stray, "hills", {.up = {0, 0, 1}}).mesh.box(), s.mesh.box());
   geometry::Mesh3f wrong;
   wrong.vertices.resize(3), wrong.faces.push_back({0, 1, 3});
   EXPECT_THROW(scene_of_mesh(wrong, "wrong"), std::invalid_argument);

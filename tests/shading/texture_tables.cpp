@@ -280,6 +280,11 @@ TEST(TextureTables, WhatHasNoSumsIsRefused) {
   EXPECT_NE(refusal([&] { SatFloat t(Image(8, 8, 1, 3e38f)); }).find("range"), std::string::npos);
   EXPECT_EQ(refusal([&] { SatDouble t(Image(8, 8, 1, 3e38f)); }), "accepted");
   EXPECT_EQ(refusal([&] { SatInt64 t(Image(8, 8, 1, 3e38f)); }), "accepted");
+  double mean[most_channels] = {};  // of one value there are no levels between
+  SatInt64(Image(8, 8, 1, 5.0f)).box_mean(Box{1.0, 1.5, 4.0, 5.0}, mean);
+  EXPECT_EQ(mean[0], 5);
+  SatUint32(Image(8, 8, 1, 6.0f)).box_mean(Box{1.0, 1.5, 4.0, 5.0}, mean);
+  EXPECT_EQ(mean[0], 6);
   EXPECT_NE(refusal([&] { SatFloat t(Image(0, 8, 1)); }).find("0 x 8"), std::string::npos);
   EXPECT_NE(refusal([&] { SatFloat t(Image(8, 8, 5)); }).find("5 channels"), std::string::npos);
   Image torn(8, 8, 1);
