@@ -11,7 +11,8 @@
 // answers by the nearest face, which near a hole's rim and beside faces turned around is wrong. Cost: the
 // closest point, and 40 bytes a face. Known weakness: two faces in one place that look opposite ways, as
 // where closed boxes touch, are equally near and say opposite things: points nearest to them are told right
-// on one side and wrong on the other, though the mesh is closed and oriented (FirstHit has an answer). A
+// on one side and wrong on the other, though the mesh is closed and oriented (FirstHit has an answer). Points
+// on a part of the mesh that has no area at all are told inside. A
 // closest point found in float may belong to a triangle that is not nearest, where two parts of the surface
 // are as far to the last digits, or where the mesh is of mixed scale and the tree has lost coordinates
 // (triangle_scale.hpp); the sign is that of the part found.

@@ -30,7 +30,7 @@ class DistanceFieldTask final : public RegisteredTask<Method> {
  public:
   DistanceFieldTask();
   std::string name() const override { return "distance_field"; }
-  int version() const override { return 3; }
+  int version() const override { return 4; }
   std::vector<BlockSpec> blocks(Profile) const override;
   /// Damaged meshes, and those hard cases of the task ray that are closed or at least finite.
   std::vector<BlockSpec> hard_blocks() const override;

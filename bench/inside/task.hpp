@@ -22,7 +22,7 @@ class InsideTask final : public RegisteredTask<Method> {
   InsideTask();
 
   std::string name() const override { return "inside"; }
-  int version() const override { return 2; }
+  int version() const override { return 3; }
   std::vector<BlockSpec> blocks(Profile) const override;
   std::vector<BlockSpec> hard_blocks() const override;
   std::vector<BlockSpec> scaling_blocks(Profile) const override;

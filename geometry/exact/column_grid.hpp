@@ -26,10 +26,12 @@ struct Enclosure {
 
 class ColumnGrid {
  public:
-  /// Faces with a coordinate that is not finite are left out. The mesh must outlive the grid.
+  /// Faces with a coordinate that is not finite, and those of no area, which bound nothing, are left out. The
+  /// mesh must outlive the grid.
   explicit ColumnGrid(const Mesh3f& mesh) : mesh_(mesh) {
     for (std::uint32_t f = 0; f < mesh.size(); ++f)
-      if (const auto t = mesh.triangle(f); is_finite(t)) faces_.push_back(f), box_.grow(Triangle3d(t).box());
+      if (const auto t = mesh.triangle(f); is_finite(t) && !is_degenerate(t))
+        faces_.push_back(f), box_.grow(Triangle3d(t).box());
     cells_ = std::clamp<std::size_t>(static_cast<std::size_t>(std::sqrt(static_cast<double>(faces_.size()))),
                                      1, most_cells);
     // Faces far larger than a cell would be in too many.

@@ -123,6 +123,18 @@ TEST(ColumnGrid, CountsHowManySolidsHoldAPoint) {
   for (const std::size_t n : seen) EXPECT_GT(n, 20u);
 }
 
+TEST(ColumnGrid, FacesOfNoAreaBoundNothing) {
+  Mesh3f mesh;
+  add_tetrahedron(mesh, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, false);
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), {{0.75f, 0.75f, 0}, {1, 1, 0}, {2, 2, 0}});
+  mesh.faces.push_back({first, first + 1, first + 2}), mesh.faces.push_back({first + 1, first, first + 2});
+  const ColumnGrid columns(mesh);
+  EXPECT_FALSE(columns(Vec3f{1, 1, 0}).on_surface);
+  EXPECT_EQ(columns(Vec3f{1, 1, 0}).winding, 0);
+  EXPECT_TRUE(columns(Vec3f{0.25f, 0.25f, 0}).on_surface);
+}
+
 TEST(ColumnGrid, HoldsNothingWhereThereAreNoFaces) {
   const Mesh3f none;
   EXPECT_EQ(ColumnGrid(none)(Vec3f{1, 2, 3}).winding, 0);
