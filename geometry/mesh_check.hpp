@@ -13,6 +13,7 @@
 #include <numeric>
 
 #include "geometry/adjacency.hpp"
+#include "geometry/disjoint_sets.hpp"
 #include "geometry/exact/triangle_triangle.hpp"
 #include "geometry/predicates.hpp"
 #include "geometry/weld.hpp"
@@ -71,23 +72,6 @@ struct MeshCheck {
 };
 
 namespace detail {
-
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  /// The lower number stands for both.
-  void join(std::uint32_t i, std::uint32_t j) {
-    i = find(i), j = find(j);
-    parent_[std::max(i, j)] = std::min(i, j);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 class MeshChecker {
  public:

@@ -19,24 +19,11 @@
 #include "accel/bsp_solid/build.hpp"
 #include "accel/signed_distance/winding_tree.hpp"
 #include "geometry/adjacency.hpp"
+#include "geometry/disjoint_sets.hpp"
 #include "geometry/exact/triangle_triangle.hpp"
 #include "geometry/weld.hpp"
 
 namespace treeline::accel::solid {
-
-/// Sets of faces that are joined two by two.
-class FaceSets {
- public:
-  explicit FaceSets(std::size_t faces) : parent_(faces) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t of(std::uint32_t f) {
-    while (parent_[f] != f) f = parent_[f] = parent_[parent_[f]];
-    return f;
-  }
-  void join(std::uint32_t f, std::uint32_t g) { parent_[of(f)] = of(g); }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 /// Of each triangle whether another one has a point in common with it beyond corners and edges that both have
 /// (exact/triangle_triangle.hpp), or is the same.
@@ -84,17 +71,17 @@ class PartsCheck {
   void operator()(std::span<const Piece> cut, const geometry::Adjacency& adjacency) {
     if (faces_.empty()) return;
     const std::vector<std::uint32_t>& sides = adjacency.sorted_half_edges();
-    FaceSets parts(*std::ranges::max_element(sides) / 3 + std::size_t{1});
+    geometry::DisjointSets parts(*std::ranges::max_element(sides) / 3 + std::size_t{1});
     for (const std::uint32_t side : sides)
       if (const std::uint32_t twin = adjacency.twin(side); twin != geometry::Adjacency::none)
         parts.join(side / 3, twin / 3);
     const std::vector<std::size_t> of_parts =
-        highest([&](std::size_t i) { return std::optional(parts.of(names_[i])); });
+        highest([&](std::size_t i) { return std::optional(parts.find(names_[i])); });
 
     const std::vector<bool> touched = touched_faces(mesh_);
-    FaceSets sheets = untouched_sheets(touched);
+    geometry::DisjointSets sheets = untouched_sheets(touched);
     const std::vector<std::size_t> of_sheets = highest([&](std::size_t i) {
-      return touched[i] ? std::nullopt : std::optional(sheets.of(static_cast<std::uint32_t>(i)));
+      return touched[i] ? std::nullopt : std::optional(sheets.find(static_cast<std::uint32_t>(i)));
     });
     const bool any = std::ranges::find(touched, true) != touched.end();
     if (of_parts.size() < 2 && of_sheets.size() < 2 && !any) return;
@@ -139,13 +126,13 @@ class PartsCheck {
   }
 
   /// What hangs together by edges, at equal positions, of two faces that none touches.
-  FaceSets untouched_sheets(const std::vector<bool>& touched) const {
+  geometry::DisjointSets untouched_sheets(const std::vector<bool>& touched) const {
     const std::vector<std::uint32_t> first = geometry::first_at_position(mesh_.vertices);
     auto faces = mesh_.faces;
     for (auto& f : faces)
       for (std::uint32_t& v : f) v = first[v];
     const geometry::Adjacency adjacency(faces, mesh_.vertices.size());
-    FaceSets sheets(faces.size());
+    geometry::DisjointSets sheets(faces.size());
     for (const auto& edge : adjacency.edges()) {
       if (edge.count != 2) continue;
       const auto sides = adjacency.half_edges_of(edge);

@@ -83,6 +83,8 @@ class RayWaves {
       f(tree_);
   }
 
+  template <bool weights>
+  void closest_hits(std::span<const Ray> rays, std::span<Hit<float>> hits, int threads) const;
   /// What is asked of a hit.
   enum class Ask { weights, face, any };
   template <Ask ask, class Finish, class Alone>
@@ -419,29 +421,30 @@ void RayWaves::cast(std::span<const Ray> rays, std::size_t begin, std::size_t en
                    alone);
 }
 
-inline void RayWaves::closest_hit(std::span<const Ray> rays, std::span<Hit<float>> hits, int threads) const {
+template <bool weights>
+void RayWaves::closest_hits(std::span<const Ray> rays, std::span<Hit<float>> hits, int threads) const {
   if (nodes_.empty() || rays.size() < least_rays)
-    return in_tree([&](const auto& tree) { tree.closest_hit(rays, hits, threads); });
+    return in_tree([&](const auto& tree) {
+      if constexpr (weights)
+        tree.closest_hit(rays, hits, threads);
+      else
+        tree.closest_face(rays, hits, threads);
+    });
   check_rays(rays, hits.size());
   parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
-    cast<Ask::weights>(
-        rays, begin, end, [&](std::size_t i, const Hit<float>& hit) { hits[i] = hit; },
-        [&](std::size_t i) { hits[i] = tree_.closest_hit(rays[i]); });
-  });
-}
-
-inline void RayWaves::closest_face(std::span<const Ray> rays, std::span<Hit<float>> hits, int threads) const {
-  if (nodes_.empty() || rays.size() < least_rays)
-    return in_tree([&](const auto& tree) { tree.closest_face(rays, hits, threads); });
-  check_rays(rays, hits.size());
-  parallel_ranges(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
-    cast<Ask::face>(
+    cast<weights ? Ask::weights : Ask::face>(
         rays, begin, end, [&](std::size_t i, const Hit<float>& hit) { hits[i] = hit; },
         [&](std::size_t i) {
           hits[i] = tree_.closest_hit(rays[i]);
-          hits[i].u = hits[i].v = 0;
+          if (!weights) hits[i].u = hits[i].v = 0;
         });
   });
+}
+inline void RayWaves::closest_hit(std::span<const Ray> rays, std::span<Hit<float>> hits, int threads) const {
+  closest_hits<true>(rays, hits, threads);
+}
+inline void RayWaves::closest_face(std::span<const Ray> rays, std::span<Hit<float>> hits, int threads) const {
+  closest_hits<false>(rays, hits, threads);
 }
 
 inline void RayWaves::any_hit(std::span<const Ray> rays, std::span<std::uint8_t> answers, int threads) const {

@@ -138,7 +138,7 @@ RunBoxes::RunBoxes(const Mesh3f& mesh) : boxes_((mesh.size() + run - 1) / run) {
 }
 
 bool RunBoxes::may_pass(std::size_t i, const Rayd& ray, double distance) const {
-  return boxes_[i].low[0] <= boxes_[i].high[0] && passes_box(boxes_[i], ray, distance);
+  return !boxes_[i].empty() && passes_box(boxes_[i], ray, distance);
 }
 
 TrueHit exact_closest(const Mesh3f& mesh, std::span<const Id> faces, const Rayd& ray) {
