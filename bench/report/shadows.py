@@ -22,10 +22,10 @@ WIDTH = """The width of a penumbra, from 10 to 90 % of the light, over the true 
 it. 1 is right; a hard shadow has none and stands at the left edge."""
 
 
-def cards(task, numbers, width="container"):
+def cards(task, numbers, width="container", legend=False):
     if task.name != "shadow":
         return []
-    made = (_beside_rays(task, numbers, width), _widths(task, numbers, width))
+    made = (_beside_rays(task, numbers, width, legend), _widths(task, numbers, width))
     return [card for card in made if card.figures]
 
 
@@ -53,7 +53,7 @@ def penumbra(row):
     return row.extra.get("shadow_penumbra")
 
 
-def _beside_rays(task, numbers, width):
+def _beside_rays(task, numbers, width, legend):
     figures, methods, measured = [], set(), False
     for dataset in task.datasets:
         rows = [r for r in soft(task) if r.dataset == dataset and r.query_set == "image" and penumbra(r) and r.query_ns]
@@ -71,13 +71,13 @@ def _beside_rays(task, numbers, width):
         looks = {m: look for m, look in task.looks.items() if any(v["method"] == m for v in values)}
         methods |= set(looks)
         title = f"{dataset}, {several(size, task.text.element)}"
-        figures.append(Figure(f"{task.name}-rays-{dataset}", title, dataset, _rays_chart(values, looks, line, width)))
+        figures.append(Figure(f"{task.name}-rays-{dataset}", title, dataset, _rays_chart(values, looks, line, width, legend)))
     what = MEASURED.format(rays=RAYS) if measured else EXPECTED.format(rays=RAYS, value=SOBOL_AT_16)
     caption = BESIDE_RAYS.format(rays=RAYS, what=what)
     return Card(f"{task.name}-card-rays", f"Beside {RAYS} rays a pixel", caption, figures, tuple(methods))
 
 
-def _rays_chart(values, looks, line, width):
+def _rays_chart(values, looks, line, width, legend):
     x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, padding=14),
               axis=charts._log_axis("x", charts.DURATION, "time per pixel, log"))  # fmt: skip
     scale = alt.Scale(type="log", nice=False, padding=10)
@@ -85,8 +85,8 @@ def _rays_chart(values, looks, line, width):
     color, _ = charts._scales(looks)
     base = alt.Chart(alt.Data(values=values))
     lines = base.mark_line(strokeWidth=1.2, opacity=charts._pick("0.7")).encode(
-        x=x, y=y, stroke=alt.Stroke("method:N", scale=color, legend=None))  # fmt: skip
-    dots = charts._points(base, looks, False).encode(x=x, y=y)
+        x=x, y=y, stroke=alt.Stroke("method:N", scale=color, legend=charts._key(legend)))  # fmt: skip
+    dots = charts._points(base, looks, legend).encode(x=x, y=y)
     at = alt.Chart(alt.Data(values=[{"y": line, "text": f"{RAYS} rays: {line:.2g}"}]))
     rule = at.mark_rule(color=INK, strokeWidth=1.4).encode(y=alt.Y("y:Q", scale=scale))
     label = at.mark_text(align="right", dy=-6, fontSize=10, fill=INK, x=alt.expr("width - 4")).encode(

@@ -60,7 +60,7 @@ def _charts(task):
                 yield f"{_file_name(task.name, dataset, field)}", chart.properties(title=f"{dataset}, {count(size)}")
     numbers = {id(r): i for i, r in enumerate((*task.soft, *task.scaling))}
     for card in (*series.cards(task, numbers, 460, True), *inside.cards(task, numbers, 460), *closest.cards(task, numbers, 460),
-                 *shadows.cards(task, numbers, 460), *surfaces.cards(task, numbers, 460),
+                 *shadows.cards(task, numbers, 460, True), *surfaces.cards(task, numbers, 460),
                  *transport.cards(task, numbers, 460), *theory.cards(task, numbers, 460)):
         for figure in card.figures:
             yield _file_name(figure.name), figure.chart.properties(title=figure.title)

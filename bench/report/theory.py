@@ -5,7 +5,7 @@ many queries leave something of it by derivation, `<task>_figure_slack`.
 """
 
 from bench.report import charts
-from bench.report.palette import INK
+from bench.report.palette import INK, VERMILION
 from bench.report.rows import knob_text
 from bench.report.series import Card, Figure
 
@@ -24,6 +24,7 @@ NAMES = {
     "shadow_wrong": ("Off by one", "share of the picture that counts from inside a shadow get wrong"),
     "error": ("Rounding", "root mean square error of means from a table of sums in float, over the range of the texture's values"),
 }
+DOTS = {"color": VERMILION, "opacity": 0.85}  # told from the ground of a light page and of a dark one
 DECADES = 100  # a ratio of values from which on axes are logarithmic, if no value is 0
 
 
@@ -72,5 +73,5 @@ def _chart(values, width):
         color=INK, strokeDash=[3, 3], opacity=0.6).encode(x=x, y=y)  # fmt: skip
     bars = base.transform_filter("datum.high > datum.low").mark_rule(color=INK, opacity=0.4).encode(
         x=x, y=alt.Y("low:Q", scale=scale), y2="high:Q")  # fmt: skip
-    dots = base.mark_point(filled=True, size=40, opacity=0.7, color="#0072B2").encode(x=x, y=y, tooltip=alt.Tooltip("label:N"))
+    dots = base.mark_point(filled=True, size=40, **DOTS).encode(x=x, y=y, tooltip=alt.Tooltip("label:N"))
     return alt.layer(same, bars, dots).properties(width=width, height=220)

@@ -1,12 +1,14 @@
 """The cards and claims of the task shadow, on rows made by hand."""
 
+import re
 import sys
+import tempfile
 import unittest
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
-from bench.report import claims, model, shadows, theory
+from bench.report import claims, model, shadows, static, theory
 from report_made import made, read
 
 MAP = ("shadow_map", "map", "ours", "approximate")
@@ -58,6 +60,23 @@ class Cards(unittest.TestCase):
         self.assertIn("16 rays: 0.04", str(values_of(card.figures[0].chart)))
         self.assertIn("measured here", card.caption)
 
+    def test_a_chart_that_stands_alone_names_its_methods(self):
+        _, task = cards_of(row(MAP, "slit", penumbra=0.2, penumbra_share=0.5), row(PCF, "slit", penumbra=0.1, penumbra_share=0.5))
+        with tempfile.TemporaryDirectory() as folder:
+            static.save_all([task], folder)
+            (chart,) = Path(folder).glob("*rays-slit.svg")
+            texts = re.findall(r"<text[^>]*>([^<]*)</text>", chart.read_text())
+        self.assertTrue({"shadow_map", "pcf"} <= set(texts), texts)
+        cards, _ = cards_of(row(MAP, "slit", penumbra=0.2, penumbra_share=0.5))  # in the page one stands above all charts
+        self.assertNotIn("'symbolSize': 60", str(cards["Beside 16 rays a pixel"].figures[0].chart.to_dict()))
+
+    def test_lights_keep_rows_of_a_scene_apart(self):
+        lights = ("slit", "slit --light directional:0,-1,0.1:1")
+        rows = [row(MAP, scene, build={"resolution": 256}, penumbra=p, penumbra_share=0.5) for scene, p in zip(lights, (0.2, 0.1))]
+        cards, task = cards_of(*rows)
+        self.assertEqual(tuple(task.datasets), lights)
+        self.assertEqual(len(cards["Beside 16 rays a pixel"].figures), 2)
+
     def test_hard_lights_have_no_penumbra(self):
         cards, _ = cards_of(row(MAP, "two_stacked", penumbra=None, penumbra_share=0.0))
         self.assertNotIn("Beside 16 rays a pixel", cards)
@@ -69,6 +88,24 @@ class Cards(unittest.TestCase):
         (figure,) = cards["What theory says"].figures
         mark = next(v for v in values_of(figure.chart) if "label" in v)
         self.assertEqual((mark["low"], mark["high"]), (0.48, 0.52))
+
+    def test_marks_stand_out_from_both_grounds(self):
+        def luminance(color):
+            parts = [c / 255 for c in color]
+            return sum(w * (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4)
+                       for w, c in zip((0.2126, 0.7152, 0.0722), parts))  # fmt: skip
+
+        def parts(text):
+            return [int(text[k : k + 2], 16) for k in (1, 3, 5)]
+
+        css = (Path(theory.__file__).parent / "page" / "page.css").read_text()
+        grounds = [parts(c) for c in dict.fromkeys(re.findall(r"--card: (#[0-9a-f]{6})", css))]
+        self.assertEqual(len(grounds), 2)
+        share = theory.DOTS["opacity"]
+        for ground in grounds:
+            mark = [share * c + (1 - share) * g for c, g in zip(parts(theory.DOTS["color"]), ground)]
+            low, high = sorted((luminance(mark), luminance(ground)))
+            self.assertGreaterEqual((high + 0.05) / (low + 0.05), 3)  # WCAG 2.1, 1.4.11: graphics
 
     def test_a_field_of_all_rows_stands_over_decades(self):
         tables = []
