@@ -1,5 +1,7 @@
 // OBJ and OFF: text. Both are checked line by line and rewritten in their plainest form (positions and faces
 // only), so that OpenMesh meets no comment, material file, relative index or normal that it would misread.
+#include <unordered_set>
+
 #include "datasets_gen/files/input.hpp"
 
 namespace treeline::datasets::files {
@@ -23,11 +25,60 @@ void take_position(const Input& in, std::size_t line, const std::vector<std::str
   ++r.vertices;
 }
 
-/// OpenMesh's OBJ reader leaves repeated corners out, and with them faces of fewer than three different ones.
-std::size_t different(std::vector<std::uint64_t> corners) {
+using Polygon = std::vector<std::uint64_t>;  // vertices, counted from 1
+
+std::size_t different(Polygon corners) {
   std::ranges::sort(corners);
   return static_cast<std::size_t>(std::unique(corners.begin(), corners.end()) - corners.begin());
 }
+/// Leaves each corner out that is named twice in a row.
+void take_once(Polygon& corners) {
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  while (corners.size() > 1 && corners.front() == corners.back()) corners.pop_back();
+}
+
+/// The statements of faces, in their order. Those that name a vertex again wait until it is known how many
+/// vertices there are.
+class Faces {
+ public:
+  void add(const Polygon& corners) {
+    if (different(corners) < corners.size())
+      waiting_.push_back({text_.size(), corners});
+    else
+      append(text_, corners);
+  }
+  /// After vertices of the text, and those that stand in for some of them.
+  std::string text(std::uint64_t vertices, std::vector<std::uint32_t>& stand_ins) const {
+    std::string r;
+    std::size_t done = 0;
+    std::unordered_set<std::uint64_t> named;
+    for (auto [at, corners] : waiting_) {
+      r.append(text_, done, at - done), done = at;
+      named.clear();
+      for (std::uint64_t& c : corners) {
+        if (named.insert(c).second) continue;
+        stand_ins.push_back(static_cast<std::uint32_t>(c - 1));
+        c = vertices + stand_ins.size();
+      }
+      append(r, corners);
+    }
+    return r.append(text_, done, std::string::npos);
+  }
+
+ private:
+  struct Waiting {
+    std::size_t at;  // in the text of the others
+    Polygon corners;
+  };
+  static void append(std::string& to, const Polygon& corners) {
+    to += 'f';
+    for (const std::uint64_t c : corners) to += ' ' + std::to_string(c);
+    to += '\n';
+  }
+
+  std::string text_;
+  std::vector<Waiting> waiting_;
+};
 
 }  // namespace
 
@@ -47,8 +98,8 @@ Checked check_obj(const Input& in) {
                                   {"curv", "curves"},
                                   {"curv2", "curves on surfaces"},
                                   {"surf", "free-form surfaces"}}};
-  std::string faces;
-  std::vector<std::uint64_t> corners;
+  Faces faces;
+  Polygon corners;
   std::uint64_t largest = 0;
   std::size_t largest_line = 0, repeating = 0, repeating_line = 0;
   while (lines.next(line)) {
@@ -79,15 +130,14 @@ Checked check_obj(const Input& in) {
         corners.push_back(static_cast<std::uint64_t>(from_one));
         if (corners.back() > largest) largest = corners.back(), largest_line = at;
       }
-      const std::size_t kept = different(corners);
-      if (kept < 3) {
+      if (different(corners) < 3) {
         ++r.dropped;
         continue;
       }
-      if (kept < corners.size() && repeating++ == 0) repeating_line = at;
-      faces += 'f';
-      for (const std::uint64_t c : corners) faces += ' ' + std::to_string(c);
-      faces += '\n';
+      const std::size_t named = corners.size();
+      take_once(corners);
+      if (corners.size() < named && repeating++ == 0) repeating_line = at;
+      faces.add(corners);
       ++r.polygons;
     } else if (line.size() > 4096 || static_cast<unsigned char>(w[0][0]) < 32 ||
                static_cast<unsigned char>(w[0][0]) > 126) {
@@ -101,15 +151,16 @@ Checked check_obj(const Input& in) {
       r.notes.push_back("left out " + std::to_string(s.count) + " statements '" + std::string(s.word) +
                         "' (" + std::string(s.what) + "): only vertices and faces are read");
   if (repeating > 0)
-    r.notes.push_back("polygons that name a vertex more than once: " + std::to_string(repeating) +
-                      ", the first in line " + std::to_string(repeating_line) +
-                      "; it was taken once, so that holes joined to their outline by an edge are filled");
+    r.notes.push_back("polygons that name a vertex twice in a row: " + std::to_string(repeating) +
+                      ", the first in line " + std::to_string(repeating_line) + "; it was taken once");
   if (largest > r.vertices)
     in.fail_line(largest_line, "names vertex " + std::to_string(largest) + " of " +
                                    std::to_string(r.vertices) + " (counted from 1)");
   if (r.vertices == 0) in.fail("", "holds no vertex (no line that starts with 'v')");
   r.is_mesh = r.polygons + r.dropped > 0;
-  r.text += faces;
+  const std::string statements = faces.text(r.vertices, r.stand_ins);
+  for (std::size_t i = 0; i < r.stand_ins.size(); ++i) r.text += "v 0 0 0\n";
+  r.text += statements;
   return r;
 }
 

@@ -132,6 +132,9 @@ struct Coordinates {
 struct Checked {
   std::size_t vertices = 0, polygons = 0;
   std::size_t dropped = 0;  // polygons that OpenMesh leaves out, because their corners coincide
+  /// Vertices that follow the file's own in `text`, each to stand for one of these in a polygon that names it
+  /// again: OpenMesh's OBJ reader leaves out what is named twice, and with it the way back from a hole.
+  std::vector<std::uint32_t> stand_ins;
   bool is_mesh = true;
   bool compare_bits = true;  // false where the library merges equal vertices
   bool binary = false;

@@ -7,6 +7,7 @@
 #include <OpenMesh/Core/IO/importer/BaseImporter.hh>
 #include <fstream>
 #include <mutex>
+#include <span>
 #include <sstream>
 
 #include "datasets_gen/files/input.hpp"
@@ -19,7 +20,9 @@ using namespace OpenMesh;
 
 class Arrays final : public IO::BaseImporter {
  public:
-  explicit Arrays(const Input& in) : in_(in) {}
+  /// Of vertices from number `own` on each stands for one of the others.
+  Arrays(const Input& in, std::size_t own, std::span<const std::uint32_t> stand_ins)
+      : in_(in), own_(own), stand_ins_(stand_ins) {}
 
   std::vector<geometry::Vec3f> points;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -40,6 +43,8 @@ class Arrays final : public IO::BaseImporter {
       if (index < 0 || static_cast<std::size_t>(index) >= points.size())
         in_.fail("face " + std::to_string(polygons), "names vertex " + std::to_string(index) + " of " +
                                                          std::to_string(points.size()) + " (counted from 0)");
+      const auto named = static_cast<std::size_t>(index);
+      if (named >= own_ && named - own_ < stand_ins_.size()) return stand_ins_[named - own_];
       return static_cast<std::uint32_t>(index);
     };
     std::vector<geometry::Vec3f> outline;
@@ -92,6 +97,8 @@ class Arrays final : public IO::BaseImporter {
 
  private:
   const Input& in_;
+  std::size_t own_;
+  std::span<const std::uint32_t> stand_ins_;
 };
 
 }  // namespace
@@ -102,7 +109,7 @@ Raw read_openmesh(const Input& in, const std::string& format, const Checked& che
   omerr().disable();
   omout().disable();
 
-  Arrays arrays(in);
+  Arrays arrays(in, checked.vertices, checked.stand_ins);
   IO::Options options;
   if (checked.binary) options += IO::Options::Binary;
   bool good = false;
@@ -117,6 +124,9 @@ Raw read_openmesh(const Input& in, const std::string& format, const Checked& che
   if (arrays.polygons != checked.polygons)
     in.fail("", "OpenMesh read " + std::to_string(arrays.polygons) + " of " +
                     std::to_string(checked.polygons) + " faces");
+
+  if (const std::size_t extra = checked.stand_ins.size(); extra > 0 && arrays.points.size() > extra)
+    arrays.points.resize(arrays.points.size() - extra);
 
   if (checked.compare_bits) {
     if (arrays.points.size() != checked.vertices)

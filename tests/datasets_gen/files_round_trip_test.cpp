@@ -393,18 +393,62 @@ TEST_F(Reading, FillsPolygonsThatAreNotConvex) {
         "v 0 10 0\nv -6 -8 0\nv 9.5 3 0\nv -9.5 3 0\nv 6 -8 0\nf 1 2 3 4 5\n",
         "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nv 1 1 0\nv 5 1 0\nv 5 5 0\nv 1 5 0\nf 1 2 3 4 5 6 7 8\n"})
     EXPECT_EQ(read(put("twice.obj", twice)).notes.size(), 1u) << twice;
-  // One with a hole, along a bridge, goes around once; by indices named twice it is filled, and that is told.
-  const Dataset framed = read(put("framed.obj",
-                                  "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nv 0 0 0\nv 1 1 0\nv 1 5 0\nv 5 5 0\n"
-                                  "v 5 1 0\nv 1 1 0\nf 1 2 3 4 5 6 7 8 9 10\n"));
-  EXPECT_TRUE(framed.notes.empty());
-  EXPECT_NEAR(areas(framed.mesh).first, 81 - 16, 1e-4);
-  const Dataset filled = read(put("filled.obj",
-                                  "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nv 1 1 0\nv 1 5 0\nv 5 5 0\nv 5 1 0\n"
-                                  "f 1 2 3 4 1 5 6 7 8 5\n"));
-  ASSERT_GE(filled.notes.size(), 1u);
-  EXPECT_NE(filled.notes[0].find("name a vertex more than once: 1, the first in line 9"), std::string::npos)
-      << filled.notes[0];
+}
+
+// An outline that goes along a bridge to a hole, around it and back goes around once: the hole stays, whether
+// the way back names vertices again or others at the same places, in every format that has polygons.
+TEST_F(Reading, KeepsHolesOfPolygons) {
+  if (!reads("obj")) GTEST_SKIP() << "built without OpenMesh";
+  const std::string corners[] = {"0 0 0", "9 0 0", "9 9 0", "0 9 0", "1 1 0", "1 5 0",
+                                 "5 5 0", "5 1 0", "0 0 0", "1 1 0", "7 7 3"};  // the last: of no polygon
+  const std::vector<int> again{0, 1, 2, 3, 0, 4, 5, 6, 7, 4}, others{0, 1, 2, 3, 8, 9, 5, 6, 7, 4},
+      square{0, 1, 2, 3};
+  const auto list = [](const std::vector<int>& face, int from) {
+    std::string r;
+    for (const int c : face) r += " " + std::to_string(c + from);
+    return r + "\n";
+  };
+  const auto obj = [&](const std::vector<std::vector<int>>& faces) {
+    std::string text;
+    for (const auto& c : corners) text += "v " + c + "\n";
+    for (const auto& f : faces) text += "f" + list(f, 1);
+    return text;
+  };
+  const auto off = [&](const std::vector<std::vector<int>>& faces) {
+    std::string text = "OFF\n11 " + std::to_string(faces.size()) + " 0\n";
+    for (const auto& c : corners) text += c + "\n";
+    for (const auto& f : faces) text += std::to_string(f.size()) + list(f, 0);
+    return text;
+  };
+  const auto ply = [&](const std::vector<std::vector<int>>& faces) {
+    std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 11\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face " +
+        std::to_string(faces.size()) + "\nproperty list int int vertex_indices\nend_header\n";
+    for (const auto& c : corners) text += c + "\n";
+    for (const auto& f : faces) text += std::to_string(f.size()) + list(f, 0);
+    return text;
+  };
+  for (const auto& frame : {again, others}) {
+    // Between two squares, so that what stands for a vertex mixes up no other polygon.
+    const std::vector<std::vector<int>> faces{square, frame, square, frame};
+    const Dataset of_obj = read(put("framed.obj", obj(faces)));
+    EXPECT_TRUE(of_obj.notes.empty()) << of_obj.notes[0];
+    EXPECT_EQ(of_obj.mesh.vertices.size(), 11u);
+    EXPECT_NEAR(areas(of_obj.mesh).first, 2 * 81 + 2 * (81 - 16), 1e-4);
+    EXPECT_NEAR(areas(of_obj.mesh).second, 2 * 81 + 2 * (81 - 16), 1e-4);
+    for (const Dataset& other : {read(put("framed.off", off(faces))), read(put("framed.ply", ply(faces)))}) {
+      EXPECT_EQ(other.mesh.vertices, of_obj.mesh.vertices) << other.name;
+      EXPECT_EQ(other.mesh.faces, of_obj.mesh.faces) << other.name;
+    }
+  }
+  // What is named twice in a row is no way back.
+  const Dataset twice = read(put("twice.obj", obj({{0, 0, 1, 2, 2, 3, 0}})));
+  EXPECT_EQ(twice.mesh.size(), 2u);
+  EXPECT_NEAR(areas(twice.mesh).second, 81, 1e-4);
+  ASSERT_EQ(twice.notes.size(), 1u);
+  EXPECT_NE(twice.notes[0].find("name a vertex twice in a row: 1, the first in line 12"), std::string::npos)
+      << twice.notes[0];
 }
 
 }  // namespace
