@@ -1,7 +1,7 @@
 """What theory says of cases that were made to break a method, beside what was measured: of every task whose rows say so.
 
-Such a row has `<task>_figure`, the name of one of its fields; `<task>_figure_value`, what that should be; and, where finitely
-many queries leave something of it by derivation, `<task>_figure_slack`.
+Such a row has `<task>_figure`, the name of one of its fields; `<task>_figure_value`, what that should be; and
+`<task>_figure_slack`, what queries, texels and rounding may leave of it, by derivation.
 """
 
 from bench.report import charts
@@ -12,9 +12,8 @@ from bench.report.series import Card, Figure
 alt = charts.alt
 
 CAPTION = """Cases made so that theory says what a method gets wrong, or how wide it makes a penumbra: what its row says against
-what it should. On the line they agree; what is farther off it than its bar, which is what so many queries may leave, is a
-mistake of ours or of the theory. Gaps, leaks and widths of penumbrae have no bar yet: the pixels they are measured by leave a few
-per cent of them, of a gap of a texel or two up to a fifth. A mark's tooltip names its case and knobs. {words}"""
+what it should. On the line they agree; what is farther off it than its bar, which is what so many queries, texels of that size
+and float's rounding may leave, is a mistake of ours or of the theory. A mark's tooltip names its case and knobs. {words}"""
 NAMES = {
     "shadow_false_dark": ("False shadow", "share of a plane, tilted or a slab's top, that shadows itself under too little bias"),
     "shadow_gap": ("Gap", "length of shadow that a bias takes from a wall's foot, metres"),

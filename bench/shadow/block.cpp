@@ -263,7 +263,7 @@ Errors ShadowBlock::check(std::size_t m, const Subject& subject, std::size_t que
                                     methods_[m].info.name, made.build_knobs(), query_knobs)) {
     e.extra["shadow_figure"] = figure->field, e.extra["shadow_figure_value"] = figure->value;
     e.extra["shadow_figure_bias"] = number(figure->bias);
-    e.extra["shadow_figure_slack"] = number(figure->slack);
+    e.extra["shadow_figure_slack"] = figure->slack;
   }
   e.extra.update(made.facts());
   return e;

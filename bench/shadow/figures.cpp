@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "bench/shadow/leaks.hpp"
 #include "datasets_gen/hard/hard_shadows.hpp"
 #include "geometry/tolerances.hpp"
 #include "shading/shadow/light_view.hpp"
@@ -103,39 +104,98 @@ std::optional<Figure> acne_of_slab(const shading::Scene& scene, std::span<const 
   return plane.acne(beneath + query.value("bias", 0.0) * plane.most());
 }
 
-/// A bias b along the light lifts the receiver by b, and so over the wall if it is nearer to its foot than b
-/// times the light's part across the wall; the wall's own thickness counts back. By the slope it is the bound
-/// of shading/shadow/bias.hpp. An offset along the normal lifts the receiver straight up: past the wall's top
-/// at its tip, and nothing at its foot.
-std::optional<Figure> gap(const shading::Scene& scene, const Knobs& build, const Knobs& query) {
-  const auto view = view_of(scene);
-  const double thickness = scene_knobs(scene.name, "wall_on_floor")[0];
-  if (query.value("plane", false)) return std::nullopt;
-  if (query.contains("offset")) return Figure{"shadow_gap", 0, 0};
-  double b = query.value("constant", 0.0) * (view.far - view.near);
-  if (query.contains("bias")) {
-    const geometry::Vec3d up{0, 1, 0};
-    const double cosine = -dot(view.forward, up);
-    const int n = build.at("resolution").get<int>();
-    // Of the floor's depth, by texel: what its normal has across the map over what it has along the light.
-    const double across = std::abs(dot(view.right, up)) * view.texel_width(n, 1),
-                 down = std::abs(dot(view.down, up)) * view.texel_height(n, 1);
-    b += query.at("bias").get<double>() * 0.5 * (across + down) / cosine;
+/// The floor and the lit face of a wall across the light, as the texels of a map see them; along x.
+struct FloorAndWall {
+  double along;     ///< the light's part across the wall
+  double on_floor;  ///< how far the floor at a texel's centre may be from the receiver
+  double on_wall;   ///< how far the wall's face would have to be moved to have the depth at the centre
+  double deeper;    ///< how much deeper than at the centre the floor may be
+  FloorAndWall(const shading::shadow::LightView& view, int n) : along(std::abs(view.forward[0])) {
+    const double down = view.forward[1];
+    const auto half_texel = [&](double right_part, double down_part) {
+      return 0.5 *
+             (std::abs(right_part) * view.texel_width(n, 1) + std::abs(down_part) * view.texel_height(n, 1));
+    };
+    const auto& r = view.right;
+    const auto& d = view.down;
+    // Across the map and then along the light, back to the floor.
+    on_floor = half_texel(r[0] - view.forward[0] * r[1] / down, d[0] - view.forward[0] * d[1] / down);
+    on_wall = half_texel(r[0], d[0]);
+    deeper = half_texel(r[1], d[1]) / std::abs(down);
   }
-  return Figure{"shadow_gap", std::max(0.0, b * std::abs(scene.light.direction[0]) - thickness), b};
+};
+
+/// A bias b along the light lifts the receiver by b, and so over the wall if it is nearer to its lit face
+/// than b times the light's part across the wall. By the slope it is the bound of shading/shadow/bias.hpp. An
+/// offset along the normal lifts the receiver straight up: past the wall's top at its tip, and nothing at its
+/// foot. What is told is how far along the line from its first receiver, behind the wall, all is lit.
+/// Slack: a texel's depth is that at its centre. As the wall's face there may be nearer or farther, so may
+/// the shadow's begin; a centre before the wall sees the floor, and then the receiver is lit, unless the bias
+/// is too small for that; receivers stand a step apart.
+std::optional<Figure> gap(const shading::Scene& scene, std::span<const Receiver> receivers,
+                          const Knobs& build, const Knobs& query) {
+  if (query.value("plane", false)) return std::nullopt;
+  const auto view = view_of(scene);
+  const FloorAndWall seen(view, build.at("resolution").get<int>());
+  double b = query.value("constant", 0.0) * (view.far - view.near);
+  b += query.value("bias", 0.0) * seen.deeper;
+  const double allowed = geometry::tolerance::shadow_depth_slack * (view.far - view.near + seen.deeper);
+  // From the lit face, which is at minus half the thickness.
+  const double first = receivers.front().position[0] + 0.5 * scene_knobs(scene.name, "wall_on_floor")[0];
+  const double lit = std::max(first, b * seen.along);
+  const double shifted = seen.on_wall + allowed * seen.along;
+  const double most = std::max(lit + shifted, seen.on_floor);
+  const double least = b < seen.deeper && first < seen.on_floor ? first : lit - shifted;
+  const auto& last = receivers.back().position;
+  const double askew = distance(receivers.front().position, last) / (last[0] - receivers.front().position[0]);
+  const double step = (last[0] - receivers.front().position[0]) / double(receivers.size() - 1);
+  return Figure{"shadow_gap", (lit - first) * askew, b,
+                (std::max(most - lit, lit - std::max(first, least)) + step) * askew};
 }
 
 /// What is above the cut, scaled to begin at 0.
 double above_cut(double share, double cut) { return std::max(0.0, (share - cut) / (1 - cut)); }
 
+/// Beneath the edges of blockers in level sheets: where they lie, and how receivers on the line pass them.
+Stack stack_of(const shading::shadow::LightView& view, std::initializer_list<double> heights) {
+  Stack stack;
+  const auto depth = [&](double height) { return view.place({0, height, 0}).depth; };
+  for (const double h : heights) stack.blockers.push_back(depth(h));
+  stack.receiver = depth(0);
+  return stack;
+}
+Sweep sweep_of(const shading::shadow::LightView& view, std::span<const Receiver> receivers,
+               const Knobs& build) {
+  Sweep sweep;
+  sweep.side = 2 * build.at("radius").get<int>() + 1;
+  // The floor's x runs down the map.
+  const double texel = view.texel_height(build.at("resolution").get<int>(), 1);
+  const double apart = std::abs(receivers[1].position[0] - receivers[0].position[0]);
+  sweep.step = apart / (sweep.side * texel);
+  return sweep;
+}
+Figure leak_figure(double most, double slack, double cut) {
+  return {"shadow_max", above_cut(most, cut), std::nullopt, slack / (1 - cut)};
+}
+
 /// Blockers at depths a < b before the receiver t, r = (t - b)/(b - a), in shares p and 1 - p of the filter:
 /// two moments leak p(1 - p)/(p(1 - p) + (r + p)²), at most 1/(1 + 2r)², where p = r/(1 + 2r). Four moments
-/// tell two depths apart: nothing leaks but what the bias of the moments, alpha, lets through.
-std::optional<Figure> leak_of_two(const shading::Scene& scene, const std::string& method,
-                                  const Knobs& query) {
-  const double r = scene_knobs(scene.name, "two_stacked")[0], cut = query.value("cut", 0.0);
-  if (method == "msm") return Figure{"shadow_max", 0};
-  return Figure{"shadow_max", above_cut(1 / ((1 + 2 * r) * (1 + 2 * r)), cut)};
+/// tell two depths apart: nothing leaks but what rounding and the bias of the moments, alpha, let through.
+Figure leak_of_two(const shading::Scene& scene, std::span<const Receiver> receivers,
+                   const std::string& method, const Knobs& build, const Knobs& query) {
+  const double r = scene_knobs(scene.name, "two_stacked")[0], cut = query.value("cut", 0.0), upper = 4;
+  const auto view = view_of(scene);
+  const Stack stack = stack_of(view, {upper, upper * r / (1 + r)});
+  Sweep sweep = sweep_of(view, receivers, build);
+  sweep.shares = [](double at) {
+    const double p = std::clamp(0.5 + at, 0.0, 1.0);
+    return std::vector{p, 1 - p};
+  };
+  if (method == "msm")
+    return leak_figure(0, leak_of_four_moments(stack, sweep, query.at("alpha").get<double>()).slack, cut);
+  const Leak leak = leak_of_two_moments(stack, sweep);
+  const double most = 1 / ((1 + 2 * r) * (1 + 2 * r));
+  return leak_figure(most, leak.slack + std::abs(leak.most - most), cut);
 }
 
 /// Blockers at depths 0, 1, 2 before the receiver at t = 2 + g, in shares p of the filter. Two moments leak
@@ -143,58 +203,101 @@ std::optional<Figure> leak_of_two(const shading::Scene& scene, const std::string
 /// of moments and v = (1, t, t²); that is 1/Σ L²/p with Lagrange's polynomials L at t. The most over the
 /// line of receivers, which passes from one side of the edges' crossing to the other at a slope of 0.9, while
 /// a square filter sees the first blocker in a share u, the second in w of the rest.
-Figure leak_of_three(const shading::Scene& scene, const std::string& method, const Knobs& query) {
-  const double g = scene_knobs(scene.name, "three_layers")[0], t = 2 + g, slope = 0.9;
-  const double lagrange[] = {0.5 * (t - 1) * (t - 2), -t * (t - 2), 0.5 * t * (t - 1)};
-  double most = 0;
-  constexpr int steps = 4000;
-  for (int k = 0; k <= steps; ++k) {
-    const double at = 1 - 2.0 * k / steps;
+Figure leak_of_three(const shading::Scene& scene, std::span<const Receiver> receivers,
+                     const std::string& method, const Knobs& build, const Knobs& query) {
+  const double g = scene_knobs(scene.name, "three_layers")[0], slope = 0.9, cut = query.value("cut", 0.0);
+  const auto view = view_of(scene);
+  const Stack stack = stack_of(view, {g + 2, g + 1, g});
+  Sweep sweep = sweep_of(view, receivers, build);
+  sweep.shares = [slope](double at) {
     const double u = std::clamp(0.5 + at, 0.0, 1.0), w = std::clamp(0.5 + slope * at, 0.0, 1.0);
-    const double p[] = {u, (1 - u) * w, (1 - u) * (1 - w)};
-    const double mean = p[1] + 2 * p[2], variance = p[1] + 4 * p[2] - mean * mean;
-    double found = variance / (variance + (t - mean) * (t - mean));
-    if (method == "msm") {
-      double sum = 0;
-      for (int i = 0; i < 3; ++i) sum += lagrange[i] * lagrange[i] / p[i];
-      found = 1 / sum;  // 0 where one of the three is not in sight
-    }
-    most = std::max(most, found);
+    return std::vector{u, (1 - u) * w, (1 - u) * (1 - w)};
+  };
+  const Leak leak = method == "msm" ? leak_of_four_moments(stack, sweep, query.at("alpha").get<double>())
+                                    : leak_of_two_moments(stack, sweep);
+  return leak_figure(leak.most, leak.slack, cut);
+}
+
+/// Points on a circle of length 1, from a pattern over [-1, 1] whose ends meet.
+class OnCircle {
+ public:
+  explicit OnCircle(const std::vector<shading::shadow::Tap>& taps) {
+    for (const auto& t : taps) at_.push_back(0.5 * (double(t.x) + 1));
+    std::ranges::sort(at_);
   }
-  return {"shadow_max", above_cut(most, query.value("cut", 0.0))};
+  std::size_t size() const { return at_.size(); }
+  /// From one of them to that so many places on, over all of them: the shortest and the longest way.
+  std::pair<double, double> ways(std::size_t places) const {
+    double least = 1, most = 0;
+    for (std::size_t i = 0; i < at_.size(); ++i) {
+      const std::size_t k = i + places;
+      const double way = at_[k % at_.size()] - at_[i] + double(k / at_.size());
+      least = std::min(least, way), most = std::max(most, way);
+    }
+    return {least, most};
+  }
+
+ private:
+  std::vector<double> at_;
+};
+
+/// By how much a penumbra of width 1 that is told by taps, each receiver's shifted by an amount of its own,
+/// may differ from the 0.8 that lie between 10 and 90 % of the light. Lit are the taps on an arc of the
+/// circle as long as the light's share r. It holds k of them for some shift if it is as long as the shortest
+/// way from one to that k - 1 places on, and for any if as long as the longest way k places on; so for the
+/// dark arc, 1 - r. And where the search misses the blockers, as its dark arc holds no tap, all is taken to
+/// be lit.
+double unevenness(const OnCircle& filter, const OnCircle& search) {
+  const auto n = double(filter.size());
+  const auto lit = static_cast<std::size_t>(std::ceil(0.1 * n)),
+             dark = filter.size() - static_cast<std::size_t>(std::ceil(0.9 * n));
+  const double first_low = filter.ways(lit - 1).first, last_low = filter.ways(lit).second;
+  const double first_high = 1 - std::max(filter.ways(dark + 1).second, search.ways(1).second),
+               last_high = 1 - filter.ways(dark).first;
+  return std::max(last_high - first_low - 0.8, 0.8 - (first_high - last_low));
 }
 
 /// Across an edge that runs along the columns of a map a square filter of n = 2 radius + 1 texels is a ramp n
 /// texels wide, of which 80 % lie between; unless it is smooth, a stair of n steps, and so of n + 1 levels.
 /// The filter of blockers' depths makes the ramp as wide as the light is seen over the edge. Few taps are as
 /// many steps, of those that pass the edge while the line lasts: it runs through a corner of four texels.
-std::optional<Figure> penumbra(const shading::Scene& scene, const std::string& method, const Knobs& build,
-                               const Knobs& query) {
+/// Slack of widths: either end lies between two receivers. Levels have none.
+std::optional<Figure> penumbra(const shading::Scene& scene, std::span<const Receiver> receivers,
+                               const std::string& method, const Knobs& build, const Knobs& query) {
   const auto knobs = scene_knobs(scene.name, "half_plane_edge");
   const auto line = datasets::known_shadows(scene.name).lines.front();
   // Along the line, which is a little askew.
   const double askew = distance(line.from, line.to) / std::abs(line.to[0] - line.from[0]);
   const auto view = view_of(scene);
+  // The floor's x runs down the map.
   const double texel =
-      view.texel_width(build.at("resolution").get<int>(), dot(line.from - view.origin, view.forward));
+      view.texel_height(build.at("resolution").get<int>(), dot(line.from - view.origin, view.forward));
+  const double two_steps = 2 * distance(receivers[1].position, receivers[0].position);
+  const auto width = [&](double whole, double uneven) {
+    return Figure{"shadow_width", 0.8 * whole * askew, std::nullopt, uneven * whole * askew + two_steps};
+  };
+  const auto levels = [](double n) { return Figure{"shadow_levels", n}; };
+  using shading::shadow::TapPattern;
   if (method == "pcss") {
     if (query.contains("width") || query.value("taps", 0) < 64) return std::nullopt;
-    return Figure{"shadow_width", 0.8 * knobs[1] * knobs[0] / (4 - knobs[0]) * askew};
+    const auto circle = [&](const char* knob) {
+      return OnCircle(shading::shadow::taps(TapPattern::square, query.at(knob).get<int>()));
+    };
+    return width(knobs[1] * knobs[0] / (4 - knobs[0]), unevenness(circle("taps"), circle("search")));
   }
   if (method == "pcf_disc") {
     const int taps = query.at("taps").get<int>(), radius = query.at("radius").get<int>();
     if (taps > 2 * radius) return std::nullopt;  // some share a column of texels
     const double reach = std::abs(line.to[0]) / texel;
-    if (reach >= radius) return Figure{"shadow_levels", taps + 1.0};
+    if (reach >= radius) return levels(taps + 1.0);
     if (query.value("turned", true)) return std::nullopt;  // each receiver's reach farther, or do not
-    const auto set = shading::shadow::taps(shading::shadow::TapPattern::spiral, taps);
-    // The floor's x runs along the map's columns.
+    const auto set = shading::shadow::taps(TapPattern::spiral, taps);
     const auto passes = [&](const shading::shadow::Tap& t) { return std::abs(t.y * radius) < reach; };
-    return Figure{"shadow_levels", 1.0 + double(std::ranges::count_if(set, passes))};
+    return levels(1.0 + double(std::ranges::count_if(set, passes)));
   }
   const int n = 2 * query.at("radius").get<int>() + 1;
-  if (!query.at("smooth").get<bool>()) return Figure{"shadow_levels", n + 1.0};
-  return Figure{"shadow_width", 0.8 * n * texel * askew};
+  if (!query.at("smooth").get<bool>()) return levels(n + 1.0);
+  return width(n * texel, 0);
 }
 
 /// Counts from an eye that is inside of a shadow's volume are less by one everywhere: what is lit counts -1,
@@ -214,15 +317,15 @@ std::optional<Figure> figure_of(const shading::Scene& scene, const std::string& 
       return acne_of_slab(scene, receivers, method, build, query);
   }
   if (is_scene_of(scene.name, "wall_on_floor") && set == "contact" && method == "shadow_map")
-    return gap(scene, build, query);
+    return gap(scene, receivers, build, query);
   if (set == "leak" && (method == "vsm" || method == "msm") && build.value("radius", 0) >= 1 &&
       query.value("bias", 0.0) == 0) {
-    if (is_scene_of(scene.name, "two_stacked")) return leak_of_two(scene, method, query);
-    if (is_scene_of(scene.name, "three_layers")) return leak_of_three(scene, method, query);
+    if (is_scene_of(scene.name, "two_stacked")) return leak_of_two(scene, receivers, method, build, query);
+    if (is_scene_of(scene.name, "three_layers")) return leak_of_three(scene, receivers, method, build, query);
   }
   if (is_scene_of(scene.name, "half_plane_edge") && set == "edge" &&
       (method == "pcf" || method == "pcf_disc" || method == "pcss"))
-    return penumbra(scene, method, build, query);
+    return penumbra(scene, receivers, method, build, query);
   constexpr double box_ends = 1.5;
   if (is_scene_of(scene.name, "eye_inside_volume") && set == "image" && method == "shadow_volumes_z_pass" &&
       scene_knobs(scene.name, "eye_inside_volume")[0] < box_ends)

@@ -19,8 +19,8 @@ struct Figure {
   std::string field;
   double value;
   std::optional<double> bias{};  ///< that the method had, in lengths of the scene along the light
-  std::optional<double>
-      slack{};  ///< what these receivers may leave of it, being finitely many; by derivation
+  /// What receivers that are finitely many, texels and rounding may leave of it; by derivation.
+  double slack = 0;
 };
 
 std::optional<Figure> figure_of(const shading::Scene&, const std::string& query_set,
