@@ -100,6 +100,12 @@ std::vector<Cell> not_built_cells(const Task& task, const BlockFacts& facts, int
   return out;
 }
 
+std::string named(const std::string& dataset, const RunContext& context) {
+  std::string out = dataset;
+  for (const auto& [flag, value] : context.own) out.append(" ").append(flag).append(" ").append(value);
+  return out;
+}
+
 std::pair<Status, std::string> classify(std::exception_ptr error) {
   try {
     std::rethrow_exception(error);

@@ -51,6 +51,10 @@ std::vector<Cell> cells_of(const Task&, const BlockFacts&, int threads);
 /// The rows of the peers that this build lacks, one a query set.
 std::vector<Cell> not_built_cells(const Task&, const BlockFacts&, int threads);
 
+/// The dataset as rows name it: with the task's own flags that were given, as these ask something else about
+/// it. Rows of different flags are so kept apart wherever rows are.
+std::string named(const std::string& dataset, const RunContext&);
+
 /// An exception in flight, as a status and its reason.
 std::pair<Status, std::string> classify(std::exception_ptr);
 

@@ -64,6 +64,7 @@ class Program {
   void show_each_thread_count(const std::vector<Row>&, const std::vector<int>& thread_counts,
                               Progress&) const;
   std::unique_ptr<Block> open(BlockSpec&);
+  BlockSpec in_rows(const BlockSpec&) const;
   Broken trial(const BlockSpec&, Progress&, const std::vector<std::string>& sets = {});
   std::vector<BlockSpec> blocks();
   int finish() const;
@@ -112,6 +113,12 @@ std::unique_ptr<Block> Program::open(BlockSpec& spec) {
   } catch (const std::exception& e) {
     throw UsageError(fmt::format("{}: {}", spec.label(), e.what()));
   }
+}
+
+/// As its rows and cells name it. Hard cases are opened without the task's own flags.
+BlockSpec Program::in_rows(const BlockSpec& spec) const {
+  if (spec.hard) return spec;
+  return {named(spec.dataset, options_.context), spec.n, false, spec.scaling};
 }
 
 /// Recipes are known to crash nobody, but what a user's file does to a peer shows only there.
@@ -163,11 +170,12 @@ void Program::run_blocks() {
   const std::vector<int> counts = options_.scaling ? thread_counts() : std::vector<int>{};
   for (std::size_t k = 0; k < specs.size(); ++k) {
     progress.block(k, specs[k].label());
-    const Broken broken = trial(specs[k], progress);
+    const Broken broken = trial(in_rows(specs[k]), progress);
     alone.reset();
     progress.step(0, "making the queries");
     const auto block = open(specs[k]);
-    const auto rows = harness.run(facts_of(task_, specs[k], *block), *block, progress, {}, broken, counts);
+    const auto rows =
+        harness.run(facts_of(task_, in_rows(specs[k]), *block), *block, progress, {}, broken, counts);
     // A recipe is input that can be answered; a user's file may rightly be refused.
     outcome_.add(rows, !input_);
     counts.empty() ? show(rows, progress) : show_each_thread_count(rows, counts, progress);
@@ -232,11 +240,11 @@ int Program::run_advice() {
   bool all_met = true;
   for (std::size_t k = 0; k < specs.size(); ++k) {
     progress.block(k, specs[k].label());
-    const Broken broken = trial(specs[k], progress, sets);
+    const Broken broken = trial(in_rows(specs[k]), progress, sets);
     alone.reset();
     progress.step(0, "making the queries");
     const auto block = open(specs[k]);
-    const auto rows = harness.run(facts_of(task_, specs[k], *block), *block, progress, sets, broken);
+    const auto rows = harness.run(facts_of(task_, in_rows(specs[k]), *block), *block, progress, sets, broken);
     outcome_.add(rows, false);
     progress.clear();
     const Advice advice = advise(task_, rows, sets, *options_.advise);
@@ -279,7 +287,7 @@ void Program::write_pictures() {
 void Program::list_cells() {
   for (BlockSpec& spec : blocks()) {
     const auto block = open(spec);
-    for (const Cell& cell : cells_of(task_, facts_of(task_, spec, *block), options_.context.threads))
+    for (const Cell& cell : cells_of(task_, facts_of(task_, in_rows(spec), *block), options_.context.threads))
       if (filter_.matches(cell.name)) fmt::print("{}\n", cell.name), ++outcome_.cells;
   }
 }

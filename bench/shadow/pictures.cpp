@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <tuple>
 
 #include "bench/core/cells.hpp"
@@ -161,6 +162,14 @@ std::optional<Strip> strip_of_method(const std::string& method, std::vector<Answ
   return s.change >= least_change ? std::optional(std::move(s)) : std::nullopt;
 }
 
+/// As a part of a file's name: a light's description is made of more than that takes.
+std::string for_file(std::string name) {
+  constexpr std::string_view kept = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._+-,";
+  for (char& c : name)
+    if (kept.find(c) == kept.npos) c = '_';
+  return name;
+}
+
 std::string knobs_of(const Answered& a) {
   Knobs all = a.build;
   all.update(a.query);
@@ -182,7 +191,7 @@ void draw_pictures(const std::vector<Method>& methods, ShadowBlock& block, const
   }
   const auto add = [&](const std::string& what, const Image& image, const std::string& title,
                        const std::string& caption, const std::string& method, const std::string& kind) {
-    const std::string file = "shadow_" + dataset + "_" + what + ".png";
+    const std::string file = "shadow_" + for_file(dataset) + "_" + what + ".png";
     if (!ray::write_png((root / file).string(), image)) return;
     lines += nlohmann::ordered_json{{"task", "shadow"},   {"file", file},       {"title", title},
                                     {"caption", caption}, {"dataset", dataset}, {"method", method},

@@ -1,13 +1,20 @@
 #include "bench/shadow/task.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "bench/core/all_threads.hpp"
+#include "bench/core/cells.hpp"
 #include "bench/shadow/closed_form.hpp"
 #include "bench/shadow/pictures.hpp"
 #include "datasets_gen/scenes/light.hpp"
 #include "datasets_gen/scenes/scene.hpp"
+#include "geometry/tolerances.hpp"
+#include "shading/shadow/light_view.hpp"
 
 namespace treeline::bench::shadow {
 namespace {
@@ -48,10 +55,36 @@ LightForm form_of(const datasets::KnownShadows& known) {
   };
 }
 
+/// Once for the scene, not by each method for itself: a light whose area is too small for a double, or that
+/// is so far away that doubles round the way to it by more than maps allow for of the scene's size.
+void check_light(const shading::Scene& scene) {
+  const shading::Light& light = scene.light;
+  const bool has_area = light.u != geometry::Vec3d{} || light.v != geometry::Vec3d{};
+  if (has_area && !(length(light.u) * length(light.v) >= std::numeric_limits<double>::min()))
+    throw shading::InvalidScene("the light's area is too small for a number to tell: take a point light");
+  if (light.kind == shading::LightKind::directional) return;
+  const auto mesh = scene.mesh.box();
+  const geometry::Box3d box{geometry::Vec3d(mesh.low), geometry::Vec3d(mesh.high)};
+  const double away = std::hypot(light.position[0], light.position[1], light.position[2]);
+  const double rounded = geometry::tolerance::unit_roundoff<double> * away, size = length(box.extent());
+  bool lost = rounded > geometry::tolerance::shadow_depth_slack * size;
+  if (!lost) try {
+      const auto view = shading::shadow::fit_view(light, box);
+      lost = !(view.near < view.far);
+    } catch (const shading::InvalidScene&) {  // of maps alone; rays may take it
+    }
+  if (lost)
+    throw shading::InvalidScene(fmt::format(
+        "the light is {:.3g} m away, which doubles round by {:.2g} m: the depths of a scene of {:.3g} m "
+        "are lost in that; take a directional light",
+        away, rounded, size));
+}
+
 void take_scene(BlockInput& input, datasets::Dataset&& dataset, const RunContext& context, int version) {
   if (const auto given = context.own.find("--light"); given != context.own.end())
     dataset.scene.light = datasets::parse_light(given->second),
     dataset.scene.name.clear();  // what is known of the scene is so under its own light
+  check_light(dataset.scene);
   input.dataset_hash = dataset.hash(), input.seed = dataset.seed;
   input.scene = std::move(dataset.scene);
   input.truth_cache = context.truth_cache, input.version = version;
@@ -138,7 +171,8 @@ std::unique_ptr<Block> ShadowTask::open(datasets::Dataset dataset, const RunCont
 
 void ShadowTask::pictures(const BlockSpec& spec, const RunContext& context, const std::string& folder) const {
   const auto block = open(spec, context);
-  draw_pictures(registered(), dynamic_cast<ShadowBlock&>(*block), spec.dataset, all_threads(), folder);
+  draw_pictures(registered(), dynamic_cast<ShadowBlock&>(*block), named(spec.dataset, context), all_threads(),
+                folder);
 }
 
 }  // namespace treeline::bench::shadow

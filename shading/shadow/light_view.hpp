@@ -83,7 +83,9 @@ inline LightView fit_view(const Light& light, const geometry::Box3d& box, double
   const double pad =
       std::max({z1 - z0, view.perspective ? 0.0 : std::max(x, y), 1e-6 * length(box.extent())}) * margin;
   view.near = view.perspective ? std::max(z0 - pad, 0.5 * z0) : z0 - pad, view.far = z1 + pad;
-  view.half_width = std::max(x, 1e-9) * (1 + margin), view.half_height = std::max(y, 1e-9) * (1 + margin);
+  // So that neither is 0; from far away all of the scene may be that narrow.
+  const double least = 1e-9 * (view.perspective ? std::max(length(box.extent()), 1e-9) / z1 : 1);
+  view.half_width = std::max(x, least) * (1 + margin), view.half_height = std::max(y, least) * (1 + margin);
   if (light.kind == LightKind::spot)
     view.half_width = std::min(view.half_width, std::tan(light.angle)),
     view.half_height = std::min(view.half_height, std::tan(light.angle));

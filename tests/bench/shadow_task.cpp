@@ -324,7 +324,26 @@ TEST(ShadowProgram, LightsThatAreNoneAreRefused) {
   EXPECT_EQ(status_of("--profile smoke --light sun"), 2);
   // A light that no map can hold is the scene's refusal, by name.
   EXPECT_EQ(status_of("--profile smoke --light point:0,-50,0"), 2);  // nothing that the camera sees is lit
-  EXPECT_EQ(status_of("--profile smoke --light directional:0.2,-1,0.1:1 --benchmark_filter=/unshadowed/"), 0);
+  // So far away that doubles lose the scene, or too small for them: once, and not by each method.
+  for (const char* light : {"point:0,1e20,0", "spot:0,1e12,0:0,-1,0:1", "rectangle:0,1e200,0:0,-1,0:1,1",
+                            "disc:0,5,0:0,-1,0:1e-170", "rectangle:0,5,0:0,-1,0:1e-200,1e-200"}) {
+    context.own["--light"] = light;
+    EXPECT_THROW(task().open(BlockSpec{"half_plane_edge", 100}, context), shading::InvalidScene) << light;
+  }
+  EXPECT_EQ(status_of("--profile smoke --light point:0,1e20,0"), 2);
+  EXPECT_EQ(status_of("--profile smoke --light point:0,1e8,0 --benchmark_filter=/shadow_map/"), 0);
+}
+
+TEST(ShadowProgram, RowsOfALightAreOfADatasetOfItsOwn) {
+  std::set<std::string> datasets, blocks;
+  for (const char* light : {"", " --light directional:0.2,-1,0.1:1", " --light directional:0.2,-1,0.1:2"})
+    for (const Json& row : rows_of("--profile smoke --benchmark_filter=/unshadowed/" + std::string(light)))
+      datasets.insert(row["dataset"]), blocks.insert(row["block"]);
+  EXPECT_EQ(datasets,
+            (std::set<std::string>{"half_plane_edge", "half_plane_edge --light directional:0.2,-1,0.1:1",
+                                   "half_plane_edge --light directional:0.2,-1,0.1:2"}));
+  EXPECT_EQ(blocks.size(), 3u);
+  EXPECT_TRUE(blocks.contains("half_plane_edge --light directional:0.2,-1,0.1:1:100"));  // its size last
 }
 
 TEST(ShadowProgram, ScenesTakeKnobs) {

@@ -58,6 +58,22 @@ TEST(LightView, HoldsTheBox) {
   }
 }
 
+TEST(LightView, TheBoxFillsTheViewFromHoweverFar) {
+  const Box3d box{{-2, -1, -3}, {1, 2, 3}};
+  for (const double away : {1e2, 1e6, 1.5e11}) {  // as far as the sun
+    const LightView view = fit_view(light(LightKind::point, {0, away, 0}, {0, -1, 0}), box, 0.01);
+    double x = 0, y = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const LightView::Place q =
+          view.place({corner & 1 ? box.high[0] : box.low[0], corner & 2 ? box.high[1] : box.low[1],
+                      corner & 4 ? box.high[2] : box.low[2]});
+      x = std::max(x, std::abs(2 * q.x - 1)), y = std::max(y, std::abs(2 * q.y - 1));
+    }
+    EXPECT_NEAR(x, 1 / 1.01, 1e-6) << away;
+    EXPECT_NEAR(y, 1 / 1.01, 1e-6) << away;
+  }
+}
+
 TEST(LightView, RefusesWhatOneViewCannotHold) {
   const Box3d box{{-2, -1, -3}, {1, 2, 3}};
   EXPECT_THROW(fit_view(light(LightKind::point, {0, 0, 0}, {0, -1, 0}), box), InvalidScene) << "inside";
