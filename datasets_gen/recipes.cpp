@@ -8,6 +8,7 @@
 #include "datasets_gen/rooms/room.hpp"
 #include "datasets_gen/scenes/scene.hpp"
 #include "datasets_gen/surfaces/surface.hpp"
+#include "datasets_gen/textures/independent.hpp"
 #include "geometry/adjacency.hpp"
 
 namespace treeline::datasets {
@@ -27,6 +28,7 @@ struct Entry {
   MakeVectors make_vectors = nullptr;
   std::size_t columns = 0;
   MakeImage make_image = nullptr;
+  bool independent = false;  // pixels_are_independent()
 };
 
 Entry cloud(MakeCloud make, const char* name, const char* summary) {
@@ -42,8 +44,8 @@ Entry vectors(MakeVectors make, const char* name, std::size_t columns, const cha
   return {.recipe = {name, Kind::vectors, summary, false}, .make_vectors = make, .columns = columns};
 }
 
-Entry image(MakeImage make, const char* name, const char* summary) {
-  return {.recipe = {name, Kind::image, summary, false}, .make_image = make};
+Entry image(MakeImage make, const char* name, const char* summary, bool independent = false) {
+  return {.recipe = {name, Kind::image, summary, false}, .make_image = make, .independent = independent};
 }
 
 const std::array<Entry, 26>& table() {
@@ -70,7 +72,8 @@ const std::array<Entry, 26>& table() {
       vectors(uniform_vectors, "uniform_8", 8, "uniform in the unit cube of 8 dimensions"),
       vectors(uniform_vectors, "uniform_32", 32, "uniform in the unit cube of 32 dimensions"),
       vectors(uniform_vectors, "uniform_128", 128, "uniform in the unit cube of 128 dimensions"),
-      image(noise, "noise", "a random level of 256 in each pixel: nothing to compress, nothing to guess"),
+      image(noise, "noise", "a random level of 256 in each pixel: nothing to compress, nothing to guess",
+            true),
       image(ramp, "ramp", "a plane in floats, brighter to the right and downwards"),
       image(checkers, "checkers", "boards of squares of 1 to 64 pixels, black and white"),
       image(mask, "mask", "blobs and threads of black and white, as of leaves and fences"),
@@ -146,6 +149,11 @@ std::span<const Recipe> recipes() {
 std::span<const Recipe> special_recipes() {
   static const std::vector<Recipe> list = list_of(special_table());
   return list;
+}
+
+bool pixels_are_independent(std::string_view recipe) {
+  return std::ranges::any_of(table(),
+                             [&](const Entry& e) { return e.independent && e.recipe.name == recipe; });
 }
 
 Dataset generate(std::string_view name, std::size_t n, std::uint64_t seed, const Progress& progress) {

@@ -2,10 +2,12 @@
 // tiles of it into a cache, and is asked by handle, with the footprint's axes as derivatives.
 //
 // Best settings: floats, no compression, a cache that holds the whole texture, bilinear look-ups (its
-// default, bicubic where a texel is magnified, costs more and is no mean). It takes derivatives for the width
+// default, bicubic where a texel is magnified, costs more and is no mean). The build reads all tiles into the
+// cache, so that its bytes are what look-ups keep, as everyone's are. It takes derivatives for the width
 // of a filter that is wider than the footprint, as every look-up between texels is: width 0.58 gives ours
 // bias.
 #include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imagecache.h>
 #include <OpenImageIO/texture.h>
 
 #include <filesystem>
@@ -62,6 +64,7 @@ class TextureSystem final : public Averager {
     OIIO::attribute("threads", input.threads);
     width_ = input.image.width, height_ = input.image.height, channels_ = input.image.channels;
     rebuild(input.image, input.threads);
+    fill_cache();
   }
   ~TextureSystem() override { OIIO::TextureSystem::destroy(system_); }
 
@@ -98,6 +101,24 @@ class TextureSystem final : public Averager {
   }
 
  private:
+  void fill_cache() const {
+    OIIO::ImageCache* const cache = system_->imagecache();
+    const OIIO::ustring name(file_.path());
+    int levels = 0;
+    if (!cache->get_image_info(name, 0, 0, OIIO::ustring("miplevels"), OIIO::TypeDesc::INT, &levels))
+      throw std::runtime_error("OpenImageIO does not know its texture: " + cache->geterror());
+    for (int level = 0; level < levels; ++level) {
+      const OIIO::ImageSpec* const spec = cache->imagespec(name, 0, level);
+      if (!spec) throw std::runtime_error("OpenImageIO cannot read its texture: " + cache->geterror());
+      for (int y = 0; y < spec->height; y += std::max(1, spec->tile_height))
+        for (int x = 0; x < spec->width; x += std::max(1, spec->tile_width)) {
+          OIIO::ImageCache::Tile* const tile = cache->get_tile(name, 0, level, x, y, 0);
+          if (!tile) throw std::runtime_error("OpenImageIO cannot read a tile: " + cache->geterror());
+          cache->release_tile(tile);
+        }
+    }
+  }
+
   TextureFile file_;
   OIIO::TextureSystem* system_;
   OIIO::TextureSystem::TextureHandle* handle_ = nullptr;

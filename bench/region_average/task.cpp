@@ -7,6 +7,7 @@
 #include "bench/region_average/block.hpp"
 #include "bench/region_average/pictures.hpp"
 #include "datasets_gen/hard/hard_textures.hpp"
+#include "datasets_gen/textures/independent.hpp"
 
 namespace treeline::bench::region_average {
 namespace {
@@ -49,7 +50,9 @@ std::vector<BlockSpec> RegionAverageTask::scaling_blocks(Profile profile) const 
 }
 
 std::unique_ptr<Block> RegionAverageTask::open(const BlockSpec& spec, const RunContext& context) const {
-  if (!spec.hard) return open(datasets::generate(spec.dataset, spec.n, context.seed), context, spec.scaling);
+  if (!spec.hard)
+    return open(datasets::generate(spec.dataset, spec.n, context.seed), context, spec.scaling,
+                datasets::pixels_are_independent(spec.dataset));
   for (const datasets::HardTexture& c : datasets::hard_textures()) {
     if (c.name != spec.dataset) continue;
     BlockInput input;
@@ -69,11 +72,11 @@ std::unique_ptr<Block> RegionAverageTask::open(const BlockSpec& spec, const RunC
 }
 
 std::unique_ptr<Block> RegionAverageTask::open(datasets::Dataset dataset, const RunContext& context) const {
-  return open(std::move(dataset), context, false);
+  return open(std::move(dataset), context, false, false);
 }
 
 std::unique_ptr<Block> RegionAverageTask::open(datasets::Dataset dataset, const RunContext& context,
-                                               bool scaling) const {
+                                               bool scaling, bool independent) const {
   if (dataset.kind != datasets::Kind::image)
     throw std::invalid_argument("'" + dataset.name + "' is no image; the task region_average needs one");
   BlockInput input;
@@ -86,7 +89,7 @@ std::unique_ptr<Block> RegionAverageTask::open(datasets::Dataset dataset, const 
                   [](const FootprintSet& s) { return s.name != "square24" && s.name != "build"; });
     for (FootprintSet& s : input.sets) s.name += "_threads";
   }
-  input.independent = dataset.name == "noise";
+  input.independent = independent;
   input.dataset = std::move(dataset);
   input.threads = all_threads();
   input.quick = context.profile == Profile::quick;

@@ -37,7 +37,8 @@ class RegionAverageTask final : public RegisteredTask<Method> {
   void pictures(const BlockSpec&, const RunContext&, const std::string& folder) const override;
 
  private:
-  std::unique_ptr<Block> open(datasets::Dataset, const RunContext&, bool scaling) const;
+  /// independent: as in BlockInput.
+  std::unique_ptr<Block> open(datasets::Dataset, const RunContext&, bool scaling, bool independent) const;
 };
 
 }  // namespace treeline::bench::region_average

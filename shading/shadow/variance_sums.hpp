@@ -1,8 +1,8 @@
 // Mean and variance of depth over any box of a shadow map, and its least and largest depth: a summed-area
 // table (Crow 1984) of depth and its square, and a pyramid of extremes.
 //
-// Sums are doubles. In float the variance of a ramp over 9 x 9 texels of a map of 1024² is off by a thousand
-// times itself, and negative at two places of five, as large sums are subtracted (the tests measure it).
+// Sums are doubles. In float the variance of a ramp over 9 x 9 texels of a map of 1024² is off by more than a
+// hundred times itself, and often negative, as large sums are subtracted (the tests hold it to that).
 // Cost: 16 bytes a texel for the sums, 8/3 for the pyramid; a box takes 16 reads of two sums each, or 4 of
 // the pyramid. Known weakness: boxes along the axes alone; the pyramid's bounds are those of up to four
 // texels that cover the box, each as large as it.

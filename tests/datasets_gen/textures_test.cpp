@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "datasets_gen/textures/independent.hpp"
+
 namespace treeline::datasets {
 namespace {
 
@@ -44,10 +46,40 @@ TEST(Textures, NoiseIsUniform) {
   const Image image = generate("noise", 1 << 18, 1).image;
   const double n = double(image.values.size());
   EXPECT_LT(std::abs(mean(image) - 0.5), 4 * std::sqrt(1 / 12.0 / n));
-  double neighbours = 0;
-  for (std::size_t i = 1; i < image.values.size(); ++i)
-    neighbours += (image.values[i] - 0.5) * (image.values[i - 1] - 0.5);
-  EXPECT_LT(std::abs(neighbours / n), 4 / 12.0 / std::sqrt(n));
+}
+
+/// How a pixel's first channel goes with that (dx, dy) away: the correlation, in deviations of what
+/// independent pixels have.
+double correlation(const Image& image, int dx, int dy) {
+  double sum = 0, squares = 0, n = 0, all = 0, count = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) all += double(image(x, y)), ++count;
+  const double middle = all / count;
+  for (int y = 0; y + dy < image.height; ++y)
+    for (int x = 0; x + dx < image.width; ++x) {
+      const double a = double(image(x, y)) - middle, b = double(image(x + dx, y + dy)) - middle;
+      sum += a * b, squares += a * a, ++n;
+    }
+  return sum / squares * std::sqrt(n);
+}
+
+TEST(Textures, PixelsAreIndependentWhereTheRecipeSaysSo) {
+  int independent = 0;
+  for (const Recipe& recipe : recipes()) {
+    if (recipe.kind != Kind::image) {
+      EXPECT_FALSE(pixels_are_independent(recipe.name)) << recipe.name;
+      continue;
+    }
+    const Image image = generate(recipe.name, 1 << 18, 1).image;
+    double most = 0;
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {1, 1}, {7, 0}, {0, 7}})
+      most = std::max(most, std::abs(correlation(image, dx, dy)));
+    EXPECT_EQ(pixels_are_independent(recipe.name), most < 4) << recipe.name << " " << most;
+    for (const float v : image.values) EXPECT_GE(v, 0.0f);
+    independent += pixels_are_independent(recipe.name);
+  }
+  EXPECT_GE(independent, 1);
+  EXPECT_FALSE(pixels_are_independent("noise.png"));
 }
 
 TEST(Textures, RampIsAPlane) {
