@@ -115,5 +115,20 @@ inline void check_options(const PathOptions& options) {
   if (options.set < 1 || options.set > 1 << 20)
     throw InvalidOptions("set is " + std::to_string(options.set) + "; it must be from 1 to 2^20");
 }
+inline void check_options(const TextbookOptions& options) {
+  if (!(options.survival > 0 && options.survival <= 1))
+    throw InvalidOptions("survival is " + std::to_string(options.survival) + "; it must be in (0, 1]");
+  if (options.max_bounces < 0)
+    throw InvalidOptions("max_bounces is " + std::to_string(options.max_bounces) +
+                         "; it must not be negative");
+}
+inline void check_options(const WhittedOptions& options) {
+  if (options.max_bounces < 0 || options.max_bounces > 20)
+    throw InvalidOptions("max_bounces is " + std::to_string(options.max_bounces) +
+                         "; it must be from 0 to 20");
+  if (options.shadow_rays < 0 || options.shadow_rays > 1024)
+    throw InvalidOptions("shadow_rays is " + std::to_string(options.shadow_rays) +
+                         "; it must be from 0 to 1024");
+}
 
 }  // namespace treeline::shading::transport

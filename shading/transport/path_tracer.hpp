@@ -18,12 +18,10 @@
 #include "geometry/sampling.hpp"
 #include "shading/transport/blocks.hpp"
 #include "shading/transport/camera_hits.hpp"
-#include "shading/transport/camera_rays.hpp"
 #include "shading/transport/cast_ray.hpp"
 #include "shading/transport/cosine_directions.hpp"
 #include "shading/transport/diffuse_tile.hpp"
-#include "shading/transport/path_points.hpp"
-#include "shading/transport/surfaces.hpp"
+#include "shading/transport/stage.hpp"
 
 namespace treeline::shading::transport {
 
@@ -33,44 +31,27 @@ class PathTracer {
   /// The index, over the scene's mesh, must outlive this. Throws as Surfaces and CameraRays do, and
   /// InvalidOptions.
   PathTracer(const Index& index, const LitScene& scene, const PathOptions& options = {})
-      : index_(&index),
-        surfaces_(scene),
-        options_(options),
-        points_(options.points, std::max(1, options.set), options.seed),
-        camera_(scene.camera),
-        width_(scene.camera.width),
-        height_(scene.camera.height) {
-    check_options(options);
-  }
+      : options_((check_options(options), options)),
+        stage_(index, scene, options.points, options.set, options.seed) {}
 
-  /// Without samples, for render(): of the camera's size.
-  Film film() const { return film(width_, height_); }
-  Film film(int width, int height) const {
-    return Film(width, height, options_.points == Points::random ? 1 : options_.set);
-  }
+  /// Without samples, for render(): of the camera's size, or of another.
+  Film film() const { return stage_.film(); }
+  Film film(int width, int height) const { return stage_.film(width, height); }
 
   /// Adds so many samples to every pixel of a film of the camera's size. The film is the same, bit by bit,
   /// for any number of threads and however the samples are shared between calls. Throws InvalidOptions for a
   /// film of another size or of other sets, and samples < 0.
   RayCounts render(Film& film, int samples, int threads = 1) const {
-    if (film.width() != width_ || film.height() != height_)
-      throw InvalidOptions("the film has " + std::to_string(film.width()) + " × " +
-                           std::to_string(film.height()) + " pixels, the camera " + std::to_string(width_) +
-                           " × " + std::to_string(height_));
-    return render(film, samples, threads, camera_);
+    stage_.check_size(film);
+    return render(film, samples, threads, stage_.camera());
   }
   /// Along other rays: source(pixel, u, v), for u and v in [0, 1), gives a ray of unit direction, and is
   /// called by many threads at once. Pixels of any film must have the same number of samples.
   template <class Source>
   RayCounts render(Film& film, int samples, int threads, const Source& source) const {
-    if (samples < 0)
-      throw InvalidOptions("samples is " + std::to_string(samples) + "; it must not be negative");
-    if (film.set() != this->film(1, 1).set())
-      throw InvalidOptions("the film has sets of " + std::to_string(film.set()) + " samples, the options " +
-                           std::to_string(this->film(1, 1).set()));
-    const std::uint64_t done = film.samples(0);
+    const std::uint64_t more = stage_.checked_samples(film, samples), done = film.samples(0);
     std::atomic<std::uint64_t> rays = 0, shadow_rays = 0;
-    each_block(film.size(), static_cast<std::uint64_t>(samples), wave_size, threads, [&] {
+    each_block(film.size(), more, wave_size, threads, [&] {
       return [&, wave = Wave(wave_size)](const Block& block) mutable {
         begin(wave, block, done, source);
         trace(wave);
@@ -79,7 +60,7 @@ class PathTracer {
         rays += wave.rays_cast, shadow_rays += wave.shadow_rays_cast;
       };
     });
-    return {film.size() * static_cast<std::uint64_t>(samples), rays, shadow_rays};
+    return {film.size() * more, rays, shadow_rays};
   }
 
   const PathOptions& options() const { return options_; }
@@ -146,7 +127,7 @@ class PathTracer {
     wave.rays_cast = wave.shadow_rays_cast = 0;
     for (std::size_t p = 0, i = 0; p < block.pixels; ++p)
       for (std::size_t s = 0; s < block.samples; ++s, ++i) {
-        const PathKey key = points_.key(block.first_pixel + p, done + block.first_sample + s);
+        const PathKey key = stage_.points().key(block.first_pixel + p, done + block.first_sample + s);
         wave.hash[i] = key.hash, wave.index[i] = key.index;
         wave.paths[i] = {Rgb::filled(1), infinity, static_cast<std::uint32_t>(i)};
         wave.radiance[i] = {};
@@ -154,7 +135,7 @@ class PathTracer {
     TileDecisions& d = wave.decisions;
     for (std::size_t p = 0, s = 0, i = 0; i < n; ++i) {
       const std::size_t lane = i % tile_size;
-      if (lane == 0) points_.pairs(tile_size, &wave.hash[i], &wave.index[i], 0, d.u, d.v);
+      if (lane == 0) stage_.points().pairs(tile_size, &wave.hash[i], &wave.index[i], 0, d.u, d.v);
       wave.rays[i] = cast_ray<Ray>(source(block.first_pixel + p, d.u[lane], d.v[lane]));
       if (++s == block.samples) ++p, s = 0;
     }
@@ -165,13 +146,13 @@ class PathTracer {
       const std::span<const Ray> rays(wave.rays.data(), wave.size);
       const std::span<accel::Hit<Scalar>> hits(wave.hits.data(), wave.size);
       if (bounce == 0)
-        camera_hits(*index_, rays, hits);
+        camera_hits(stage_.index(), rays, hits);
       else
-        face_hits(*index_, rays, hits);
+        face_hits(stage_.index(), rays, hits);
       wave.rays_cast += wave.size;
       advance(wave, bounce);
-      index_->any_hit(std::span<const Ray>(wave.shadow_rays.data(), wave.shadow_size),
-                      std::span(wave.hidden.data(), wave.shadow_size), 1);
+      stage_.index().any_hit(std::span<const Ray>(wave.shadow_rays.data(), wave.shadow_size),
+                             std::span(wave.hidden.data(), wave.shadow_size), 1);
       wave.shadow_rays_cast += wave.shadow_size;
       for (std::size_t i = 0; i < wave.shadow_size; ++i) {
         const Shadow& s = wave.shadows[i];
@@ -182,16 +163,18 @@ class PathTracer {
     }
   }
 
-  bool draws_lights() const { return options_.lights != Lights::none && !surfaces_.emitters().empty(); }
+  bool draws_lights() const {
+    return options_.lights != Lights::none && !stage_.surfaces().emitters().empty();
+  }
 
   void decide(const std::uint64_t* hash, const std::uint32_t* index, int bounce, TileDecisions& d) const {
     const std::uint32_t place = 1 + 4 * static_cast<std::uint32_t>(bounce);
     if (draws_lights()) {
-      points_.numbers(tile_size, hash, index, place, d.emitter);
-      points_.pairs(tile_size, hash, index, place + 1, d.light_u, d.light_v);
+      stage_.points().numbers(tile_size, hash, index, place, d.emitter);
+      stage_.points().pairs(tile_size, hash, index, place + 1, d.light_u, d.light_v);
     }
-    points_.pairs(tile_size, hash, index, place + 2, d.u, d.v);
-    points_.pairs(tile_size, hash, index, place + 3, d.choice, d.roulette);
+    stage_.points().pairs(tile_size, hash, index, place + 2, d.u, d.v);
+    stage_.points().pairs(tile_size, hash, index, place + 3, d.choice, d.roulette);
     if (options_.directions != Directions::uniform) cosine_directions(tile_size, d.u, d.v, d.x, d.y, d.z);
   }
 
@@ -206,12 +189,12 @@ class PathTracer {
       const accel::Hit<Scalar> hit = wave.hits[i];
       const Path& path = wave.paths[i];
       if (!hit) {
-        wave.radiance[path.slot] += times(path.throughput, surfaces_.background());
+        wave.radiance[path.slot] += times(path.throughput, stage_.surfaces().background());
         continue;
       }
       const Vec3f direction(wave.rays[i].direction);
       const float t = static_cast<float>(hit.t);
-      const Surfaces::Side at = surfaces_.side(direction, hit.primitive);
+      const Surfaces::Side at = stage_.surfaces().side(direction, hit.primitive);
       if (at.material->emits && at.cosine > 0)
         wave.radiance[path.slot] +=
             times(path.throughput, at.material->emission) * met_weight(path.pdf, hit.primitive, t, at.cosine);
@@ -245,7 +228,7 @@ class PathTracer {
     const auto vector = [](const auto& v, std::size_t i) { return Vec3f{v[0][i], v[1][i], v[2][i]}; };
     if (draws_lights()) {
       LampSegments to;
-      draw_lamps(surfaces_, at, d, options_.lights == Lights::mis, to);
+      draw_lamps(stage_.surfaces(), at, d, options_.lights == Lights::mis, to);
       std::size_t shadows = wave.shadow_size;
       for (std::size_t i = 0; i < n; ++i) {
         const Rgb light = vector(to.light, i);
@@ -256,7 +239,7 @@ class PathTracer {
       wave.shadow_size = shadows;
     }
     TileRays rays;
-    leave(surfaces_, at, d, rays);
+    leave(stage_.surfaces(), at, d, rays);
     std::size_t size = wave.size;
     for (std::size_t i = 0; i < n; ++i) {
       Rgb throughput = vector(at.throughput, i);
@@ -279,8 +262,8 @@ class PathTracer {
     const std::size_t n = std::exchange(tile.size, 0);
     for (std::size_t i = 0; i < n; ++i) {
       const Ray& ray = tile.ray[i];
-      const Vertex at = surfaces_.meet(Vec3f(ray.origin), Vec3f(ray.direction),
-                                       static_cast<float>(tile.hit[i].t), tile.hit[i].primitive);
+      const Vertex at = stage_.surfaces().meet(Vec3f(ray.origin), Vec3f(ray.direction),
+                                               static_cast<float>(tile.hit[i].t), tile.hit[i].primitive);
       Path path = tile.path[i];
       if (draws_lights() && !at.material->bsdf.delta()) draw_light(wave, path, at, i);
       if (!scatter(path, at, wave.decisions, i, bounce, wave.rays[wave.size])) continue;
@@ -293,7 +276,7 @@ class PathTracer {
   float met_weight(float pdf, std::uint32_t face, float t, float cosine) const {
     if (options_.lights == Lights::none || pdf == infinity) return 1;
     if (options_.lights == Lights::next_event) return 0;
-    return power_weight(pdf, surfaces_.pdf_of_light(face, t, cosine));
+    return power_weight(pdf, stage_.surfaces().pdf_of_light(face, t, cosine));
   }
   static float power_weight(float pdf, float other) {
     const float ratio = other / pdf;
@@ -303,7 +286,7 @@ class PathTracer {
   /// Asks for a ray to a point of the emitters, with the light that it would bring.
   void draw_light(Wave& wave, const Path& path, const Vertex& at, std::size_t i) const {
     const TileDecisions& d = wave.decisions;
-    const Surfaces::LightPoint to = surfaces_.light(at, d.emitter[i], d.light_u[i], d.light_v[i]);
+    const Surfaces::LightPoint to = stage_.surfaces().light(at, d.emitter[i], d.light_u[i], d.light_v[i]);
     if (to.pdf == 0) return;
     const bool diffuse = at.material->kind == SurfaceKind::diffuse;
     const Rgb reflected = diffuse ? at.material->albedo * (1 / pi) : at.material->bsdf.eval(to.in, at.out);
@@ -345,16 +328,12 @@ class PathTracer {
       if (!(d.roulette[i] < survives)) return false;
       path.throughput = path.throughput / std::min(1.0f, survives);
     }
-    next = cast_ray<Ray>(surfaces_.leaving(at, in));
+    next = cast_ray<Ray>(stage_.surfaces().leaving(at, in));
     return true;
   }
 
-  const Index* index_;
-  Surfaces surfaces_;
   PathOptions options_;
-  PathPoints points_;
-  CameraRays camera_;
-  int width_, height_;
+  Stage<Index> stage_;
 };
 
 }  // namespace treeline::shading::transport

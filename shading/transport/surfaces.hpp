@@ -6,6 +6,8 @@
 // nearer to a surface than that is not seen from it: 0.08 mm in a scene of 10 m.
 #pragma once
 
+#include <charconv>
+#include <string>
 #include <vector>
 
 #include "geometry/box.hpp"
@@ -144,8 +146,11 @@ inline Surfaces::Surfaces(const LitScene& scene) : emitters_(scene), background_
     reach =
         std::max({reach, box.high[k] - box.low[k], std::abs(box.low[k]) / 16, std::abs(box.high[k]) / 16});
   // Squared distances of floats, and of a point to what it was moved off, stay within range.
-  if (!scene.mesh.faces.empty() && !(reach > 1e-15 && reach < 1e15))
-    throw InvalidScene("the scene reaches " + std::to_string(reach) + " m; taken are 1e-15 to 1e15 m");
+  if (!scene.mesh.faces.empty() && !(reach > 1e-15 && reach < 1e15)) {
+    char digits[32];
+    const auto end = std::to_chars(digits, digits + sizeof digits, reach, std::chars_format::general, 4).ptr;
+    throw InvalidScene("the scene reaches " + std::string(digits, end) + " m; taken are 1e-15 to 1e15 m");
+  }
   offset_ = static_cast<float>(double(geometry::tolerance::shadow_offset<float>) * reach);
 }
 

@@ -19,10 +19,8 @@
 
 #include "geometry/sampling.hpp"
 #include "shading/transport/blocks.hpp"
-#include "shading/transport/camera_rays.hpp"
 #include "shading/transport/cast_ray.hpp"
-#include "shading/transport/path_points.hpp"
-#include "shading/transport/surfaces.hpp"
+#include "shading/transport/stage.hpp"
 
 namespace treeline::shading::transport {
 
@@ -32,45 +30,32 @@ class Textbook {
   /// The index, over the scene's mesh, must outlive this. Throws as Surfaces and CameraRays do, and
   /// InvalidOptions.
   Textbook(const Index& index, const LitScene& scene, const TextbookOptions& options = {})
-      : index_(&index),
-        surfaces_(scene),
-        options_(options),
-        points_(Points::random, 1, options.seed),
-        camera_(scene.camera),
-        width_(scene.camera.width),
-        height_(scene.camera.height) {
-    if (!(options.survival > 0 && options.survival <= 1))
-      throw InvalidOptions("survival is " + std::to_string(options.survival) + "; it must be in (0, 1]");
-    if (options.max_bounces < 0)
-      throw InvalidOptions("max_bounces is " + std::to_string(options.max_bounces) +
-                           "; it must not be negative");
-  }
+      : options_((check_options(options), options)), stage_(index, scene, Points::random, 1, options.seed) {}
 
-  Film film() const { return Film(width_, height_); }
+  Film film() const { return stage_.film(); }
 
   /// As PathTracer's.
   RayCounts render(Film& film, int samples, int threads = 1) const {
-    return render(film, samples, threads, camera_);
+    stage_.check_size(film);
+    return render(film, samples, threads, stage_.camera());
   }
   template <class Source>
   RayCounts render(Film& film, int samples, int threads, const Source& source) const {
-    if (samples < 0)
-      throw InvalidOptions("samples is " + std::to_string(samples) + "; it must not be negative");
-    const std::uint64_t done = film.samples(0);
+    const std::uint64_t more = stage_.checked_samples(film, samples), done = film.samples(0);
     std::atomic<std::uint64_t> rays = 0, shadow_rays = 0;
-    each_block(film.size(), static_cast<std::uint64_t>(samples), 1024, threads, [&] {
+    each_block(film.size(), more, 1024, threads, [&] {
       return [&](const Block& block) {
         RayCounts counts;
         for (std::size_t p = block.first_pixel; p < block.first_pixel + block.pixels; ++p)
           for (std::size_t s = 0; s < block.samples; ++s) {
-            const PathKey key = points_.key(p, done + block.first_sample + s);
-            const Pair at = points_.pair(key, 0);
+            const PathKey key = stage_.points().key(p, done + block.first_sample + s);
+            const Pair at = stage_.points().pair(key, 0);
             film.add(p, seen(source(p, at.u, at.v), key, counts));
           }
         rays += counts.rays, shadow_rays += counts.shadow_rays;
       };
     });
-    return {film.size() * static_cast<std::uint64_t>(samples), rays, shadow_rays};
+    return {film.size() * more, rays, shadow_rays};
   }
 
  private:
@@ -81,7 +66,7 @@ class Textbook {
 
   Rgb seen(const geometry::Rayf& ray, const PathKey& key, RayCounts& counts) const {
     const std::optional<Vertex> p = met(ray, counts);
-    if (!p) return surfaces_.background();
+    if (!p) return stage_.surfaces().background();
     const Rgb light = shade(*p, 0, key, counts);
     return options_.emission_seen && p->cosine > 0 ? light + p->material->emission : light;
   }
@@ -89,45 +74,42 @@ class Textbook {
   Rgb shade(const Vertex& p, int bounce, const PathKey& key, RayCounts& counts) const {
     if (bounce == options_.max_bounces) return {};
     const std::uint32_t place = 1 + 4 * static_cast<std::uint32_t>(bounce);
-    const bool ends = points_.pair(key, place + 3).v >= options_.survival;
+    const bool ends = stage_.points().pair(key, place + 3).v >= options_.survival;
     if (options_.roulette_first && ends) return {};
     const Rgb direct = light_part(p, place, key, counts);
     if (ends) return direct;
 
-    const Pair on_sphere = points_.pair(key, place + 2);
+    const Pair on_sphere = stage_.points().pair(key, place + 2);
     const Vec3f in = geometry::sample_hemisphere(on_sphere.u, on_sphere.v);
     const float pi = std::numbers::pi_v<float>;
     const float pdf = options_.hemisphere_half_pi ? 2 / pi : 1 / (2 * pi);
-    const std::optional<Vertex> q = met(surfaces_.leaving(p, in), counts);
+    const std::optional<Vertex> q = met(stage_.surfaces().leaving(p, in), counts);
     const Rgb weight = p.material->bsdf.eval(in, p.out) * (in[2] / pdf / options_.survival);
-    if (!q) return direct + times(weight, surfaces_.background());
+    if (!q) return direct + times(weight, stage_.surfaces().background());
     if (options_.drop_reflected_emitters && q->material->emits) return direct;
     return direct + times(weight, shade(*q, bounce + 1, key, counts));
   }
 
   Rgb light_part(const Vertex& p, std::uint32_t place, const PathKey& key, RayCounts& counts) const {
-    if (surfaces_.emitters().empty()) return {};
-    const Pair on_face = points_.pair(key, place + 1);
-    const Surfaces::LightPoint x = surfaces_.light(p, points_.number(key, place), on_face.u, on_face.v);
+    if (stage_.surfaces().emitters().empty()) return {};
+    const Pair on_face = stage_.points().pair(key, place + 1);
+    const Surfaces::LightPoint x =
+        stage_.surfaces().light(p, stage_.points().number(key, place), on_face.u, on_face.v);
     if (x.pdf == 0) return {};
     ++counts.shadow_rays;
-    if (index_->any_hit(cast_ray<Ray>(x.ray))) return {};
+    if (stage_.index().any_hit(cast_ray<Ray>(x.ray))) return {};
     return times(x.emission, p.material->bsdf.eval(x.in, p.out)) * (x.in[2] / x.pdf);
   }
 
   std::optional<Vertex> met(const geometry::Rayf& ray, RayCounts& counts) const {
     ++counts.rays;
-    const accel::Hit<Scalar> hit = index_->closest_hit(cast_ray<Ray>(ray));
+    const accel::Hit<Scalar> hit = stage_.index().closest_hit(cast_ray<Ray>(ray));
     if (!hit) return {};
-    return surfaces_.meet(ray.origin, ray.direction, static_cast<float>(hit.t), hit.primitive);
+    return stage_.surfaces().meet(ray.origin, ray.direction, static_cast<float>(hit.t), hit.primitive);
   }
 
-  const Index* index_;
-  Surfaces surfaces_;
   TextbookOptions options_;
-  PathPoints points_;
-  CameraRays camera_;
-  int width_, height_;
+  Stage<Index> stage_;
 };
 
 }  // namespace treeline::shading::transport

@@ -14,10 +14,8 @@
 
 #include "geometry/sampling.hpp"
 #include "shading/transport/blocks.hpp"
-#include "shading/transport/camera_rays.hpp"
 #include "shading/transport/cast_ray.hpp"
-#include "shading/transport/path_points.hpp"
-#include "shading/transport/surfaces.hpp"
+#include "shading/transport/stage.hpp"
 
 namespace treeline::shading::transport {
 
@@ -27,36 +25,22 @@ class Whitted {
   /// The index, over the scene's mesh, must outlive this. Throws as Surfaces and CameraRays do, and
   /// InvalidOptions for negative numbers, more than 20 bounces and more than 1024 shadow rays.
   Whitted(const Index& index, const LitScene& scene, const WhittedOptions& options = {})
-      : index_(&index),
-        surfaces_(scene),
-        options_(options),
-        points_(Points::random, 1, options.seed),
-        camera_(scene.camera),
-        width_(scene.camera.width),
-        height_(scene.camera.height) {
-    if (options.max_bounces < 0 || options.max_bounces > 20)
-      throw InvalidOptions("max_bounces is " + std::to_string(options.max_bounces) +
-                           "; it must be from 0 to 20");
-    if (options.shadow_rays < 0 || options.shadow_rays > 1024)
-      throw InvalidOptions("shadow_rays is " + std::to_string(options.shadow_rays) +
-                           "; it must be from 0 to 1024");
-  }
+      : options_((check_options(options), options)), stage_(index, scene, Points::random, 1, options.seed) {}
 
-  Film film() const { return Film(width_, height_); }
+  Film film() const { return stage_.film(); }
 
   /// As PathTracer's.
   WhittedCounts render(Film& film, int samples, int threads = 1) const {
-    return render(film, samples, threads, camera_);
+    stage_.check_size(film);
+    return render(film, samples, threads, stage_.camera());
   }
   template <class Source>
   WhittedCounts render(Film& film, int samples, int threads, const Source& source) const {
-    if (samples < 0)
-      throw InvalidOptions("samples is " + std::to_string(samples) + "; it must not be negative");
-    const std::uint64_t done = film.samples(0);
-    WhittedCounts counts{film.size() * static_cast<std::uint64_t>(samples),
+    const std::uint64_t more = stage_.checked_samples(film, samples), done = film.samples(0);
+    WhittedCounts counts{film.size() * more,
                          std::vector<BounceCounts>(static_cast<std::size_t>(options_.max_bounces) + 1)};
     std::mutex counting;
-    each_block(film.size(), static_cast<std::uint64_t>(samples), wave_size, threads, [&] {
+    each_block(film.size(), more, wave_size, threads, [&] {
       return [&, wave = Wave{}](const Block& block) mutable {
         begin(wave, block, done, source);
         for (std::size_t bounce = 0; !wave.rays.empty(); ++bounce) {
@@ -97,8 +81,8 @@ class Whitted {
     wave.radiance.assign(block.paths(), Rgb{});
     for (std::size_t p = block.first_pixel; p < block.first_pixel + block.pixels; ++p)
       for (std::size_t s = 0; s < block.samples; ++s) {
-        const PathKey key = points_.key(p, done + block.first_sample + s);
-        const Pair at = points_.pair(key, 0);
+        const PathKey key = stage_.points().key(p, done + block.first_sample + s);
+        const Pair at = stage_.points().pair(key, 0);
         wave.branches.push_back({Rgb::filled(1), key, static_cast<std::uint32_t>(wave.rays.size())});
         wave.rays.push_back(cast_ray<Ray>(source(p, at.u, at.v)));
       }
@@ -106,19 +90,19 @@ class Whitted {
 
   BounceCounts advance(Wave& wave, std::size_t bounce) const {
     wave.hits.resize(wave.rays.size());
-    index_->closest_hit(std::span<const Ray>(wave.rays), std::span(wave.hits), 1);
+    stage_.index().closest_hit(std::span<const Ray>(wave.rays), std::span(wave.hits), 1);
     BounceCounts counts;
     wave.next_rays.clear(), wave.next.clear(), wave.shadow_rays.clear(), wave.shadows.clear();
     for (std::size_t i = 0; i < wave.rays.size(); ++i) {
       const Branch& branch = wave.branches[i];
       Rgb& radiance = wave.radiance[branch.slot];
       if (!wave.hits[i]) {
-        radiance += times(branch.weight, surfaces_.background());
+        radiance += times(branch.weight, stage_.surfaces().background());
         continue;
       }
       const Vec3f origin(wave.rays[i].origin), direction(wave.rays[i].direction);
-      const Vertex at =
-          surfaces_.meet(origin, direction, static_cast<float>(wave.hits[i].t), wave.hits[i].primitive);
+      const Vertex at = stage_.surfaces().meet(origin, direction, static_cast<float>(wave.hits[i].t),
+                                               wave.hits[i].primitive);
       const Surfaces::Material& material = *at.material;
       if (at.cosine > 0) radiance += times(branch.weight, material.emission);
       if (!material.bsdf.delta()) {
@@ -138,7 +122,7 @@ class Whitted {
   void follow(Wave& wave, const Branch& branch, const Vertex& at, BounceCounts& counts) const {
     const auto add = [&](const Vec3f& in, const Rgb& weight, std::uint64_t which) {
       if (!(largest(weight) > 0)) return false;
-      wave.next_rays.push_back(cast_ray<Ray>(surfaces_.leaving(at, in)));
+      wave.next_rays.push_back(cast_ray<Ray>(stage_.surfaces().leaving(at, in)));
       wave.next.push_back(
           {times(branch.weight, weight), {geometry::hash_u64(branch.key.hash, which), 0}, branch.slot});
       return true;
@@ -157,12 +141,12 @@ class Whitted {
   }
 
   void draw_lights(Wave& wave, const Branch& branch, const Vertex& at) const {
-    const int n = surfaces_.emitters().empty() ? 0 : options_.shadow_rays;
+    const int n = stage_.surfaces().emitters().empty() ? 0 : options_.shadow_rays;
     for (int i = 0; i < n; ++i) {
       const auto place = 1 + 2 * static_cast<std::uint32_t>(i);
-      const Pair on_face = points_.pair(branch.key, place + 1);
-      const double choice = (i + points_.number(branch.key, place)) / n;
-      const Surfaces::LightPoint to = surfaces_.light(at, choice, on_face.u, on_face.v);
+      const Pair on_face = stage_.points().pair(branch.key, place + 1);
+      const double choice = (i + stage_.points().number(branch.key, place)) / n;
+      const Surfaces::LightPoint to = stage_.surfaces().light(at, choice, on_face.u, on_face.v);
       if (to.pdf == 0) continue;
       const Rgb reflected =
           at.material->bsdf.eval(to.in, at.out) * (to.in[2] / to.pdf / static_cast<float>(n));
@@ -173,17 +157,13 @@ class Whitted {
 
   void see_lights(Wave& wave) const {
     wave.hidden.resize(wave.shadow_rays.size());
-    index_->any_hit(std::span<const Ray>(wave.shadow_rays), std::span(wave.hidden), 1);
+    stage_.index().any_hit(std::span<const Ray>(wave.shadow_rays), std::span(wave.hidden), 1);
     for (std::size_t i = 0; i < wave.shadows.size(); ++i)
       if (!wave.hidden[i]) wave.radiance[wave.shadows[i].slot] += wave.shadows[i].weight;
   }
 
-  const Index* index_;
-  Surfaces surfaces_;
   WhittedOptions options_;
-  PathPoints points_;
-  CameraRays camera_;
-  int width_, height_;
+  Stage<Index> stage_;
 };
 
 }  // namespace treeline::shading::transport

@@ -104,25 +104,24 @@ void trace(const LitScene& scene, const transport::PathOptions& options, transpo
            int threads, const Source& source, std::uint64_t* rays) {
   const Tree tree(scene.mesh);
   const transport::PathTracer<Tree> tracer(tree, scene, options);
-  const Source camera = transport::CameraRays(scene.camera);
-  const transport::RayCounts counts = tracer.render(film, samples, threads, source ? source : camera);
+  const transport::RayCounts counts =
+      source ? tracer.render(film, samples, threads, source) : tracer.render(film, samples, threads);
   if (rays) *rays = counts.rays + counts.shadow_rays;
 }
 
 void trace_textbook(const LitScene& scene, const transport::TextbookOptions& options, transport::Film& film,
                     int samples, int threads, const Source& source) {
   const Tree tree(scene.mesh);
-  const Source camera = transport::CameraRays(scene.camera);
-  transport::Textbook<Tree>(tree, scene, options).render(film, samples, threads, source ? source : camera);
+  const transport::Textbook<Tree> tracer(tree, scene, options);
+  source ? tracer.render(film, samples, threads, source) : tracer.render(film, samples, threads);
 }
 
 transport::WhittedCounts trace_whitted(const LitScene& scene, const transport::WhittedOptions& options,
                                        transport::Film& film, int samples, int threads,
                                        const Source& source) {
   const Tree tree(scene.mesh);
-  const Source camera = transport::CameraRays(scene.camera);
-  return transport::Whitted<Tree>(tree, scene, options)
-      .render(film, samples, threads, source ? source : camera);
+  const transport::Whitted<Tree> tracer(tree, scene, options);
+  return source ? tracer.render(film, samples, threads, source) : tracer.render(film, samples, threads);
 }
 
 transport::Film traced(const LitScene& scene, const transport::PathOptions& options, int samples,

@@ -75,5 +75,12 @@ TEST(Textbook, RefusesOptionsOutOfRange) {
   EXPECT_THROW(trace_textbook(room, {}, film, -1), transport::InvalidOptions);
 }
 
+TEST(Textbook, RefusesFilmsThatAreNotTheCameras) {
+  const LitScene room = furnace(0.5f);
+  Film wide(17, 12), turned(12, 16), pairs(16, 12, 2);
+  for (Film* film : {&wide, &turned, &pairs})
+    EXPECT_THROW(trace_textbook(room, {}, *film, 1), transport::InvalidOptions) << film->width();
+}
+
 }  // namespace
 }  // namespace treeline::test
