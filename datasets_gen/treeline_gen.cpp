@@ -13,6 +13,7 @@
 #include "datasets_gen/loss.hpp"
 #include "datasets_gen/scenes/light.hpp"
 #include "datasets_gen/scenes/scene.hpp"
+#include "datasets_gen/whole_number.hpp"
 #include "geometry/weld.hpp"
 
 namespace {
@@ -164,14 +165,14 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--seed", a.seed, "the same seed gives the same bits on every machine")
       ->capture_default_str()
-      ->check([](const std::string& text) {  // which would wrap
-        return std::string(text.find('-') != std::string::npos ? "must not be negative" : "");
-      });
+      ->check(whole_number());
   app.add_flag("--list", a.list, "list the recipes");
   app.add_flag("--force", a.force, "replace an existing file");
   app.add_flag("--check", a.check, "say what is wrong with the mesh in a file; exit status 1 if anything is");
   app.add_flag("--json", a.json, "the check as JSON");
-  app.add_option("--examples", a.examples, "how many of each finding the check lists")->capture_default_str();
+  app.add_option("--examples", a.examples, "how many of each finding the check lists")
+      ->capture_default_str()
+      ->check(whole_number());
   app.add_option("--threads", a.threads, "of the check")->check(CLI::Range(1, 1024));
   const auto* ratio =
       app.add_option("--decimate", a.ratio, "read a mesh, keep this share of its faces, write it")

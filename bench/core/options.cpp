@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <thread>
+
+#include "datasets_gen/whole_number.hpp"
 
 namespace treeline::bench {
 namespace {
@@ -136,14 +137,6 @@ std::variant<Options, int> parse_command_line(const std::string& task, int argc,
       "filter\n"
       "matched nothing; 2 unusable arguments or input.");
   const auto positive = number_that([](double x) { return x > 0 && x <= 1e18; }, "a positive number");
-  const CLI::Validator seed(  // not by way of double, which cannot tell 2^64 - 1 from 2^64
-      [](const std::string& text) {
-        std::uint64_t value = 0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        const bool good = error == std::errc() && end == text.data() + text.size();
-        return good ? std::string() : fmt::format("'{}' is not a whole number from 0 to 2^64 - 1", text);
-      },
-      "");
   const auto seconds =
       number_that([](double x) { return x > 0 && x <= 1e6; }, "a number of seconds up to 1000000");
   std::string profile = "quick";
@@ -152,7 +145,8 @@ std::variant<Options, int> parse_command_line(const std::string& task, int argc,
       ->check(CLI::IsMember({"smoke", "quick", "full"}));
   app.add_option("--dataset", o.datasets, "Only these datasets: NAME or NAME:n");
   app.add_option("--input", o.input, "Measure on a file of your own");
-  app.add_option("--seed", o.context.seed, "Seed of datasets and queries")->check(seed);
+  app.add_option("--seed", o.context.seed, "Seed of datasets, queries and samples")
+      ->check(datasets::whole_number());
   app.add_option("--threads", o.context.threads, "Threads that share a batch")->check(CLI::Range(1, 4096));
   app.add_option("--rows", o.rows, "Append rows to this file; an existing one is refused without --resume");
   app.add_flag("--resume", o.resume, "Continue the rows file: finished cells are not repeated");

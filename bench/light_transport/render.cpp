@@ -12,14 +12,17 @@
 #include <csignal>
 #include <ctime>
 #include <filesystem>
+#include <new>
 
 #include "bench/core/all_threads.hpp"
 #include "bench/core/progress.hpp"
+#include "bench/core/table.hpp"
 #include "bench/light_transport/pictures.hpp"
 #include "bench/light_transport/tracer.hpp"
 #include "datasets_gen/files/read.hpp"
 #include "datasets_gen/files/write.hpp"
 #include "datasets_gen/rooms/room.hpp"
+#include "datasets_gen/whole_number.hpp"
 
 namespace {
 
@@ -111,10 +114,7 @@ Image eight_bits(Image image) {
   return image;
 }
 
-void render(const Arguments& a) {
-  treeline::shading::LitScene room = read_room(a);
-  if (a.width > 0) room.camera.width = a.width;
-  if (a.height > 0) room.camera.height = a.height;
+void render(const Arguments& a, const treeline::shading::LitScene& room) {
   const int set = set_of(a.samples);
   const auto tracer = light::mis_tracer(room, a.seed, set);
   light::Film film = tracer->film();
@@ -154,6 +154,29 @@ void render(const Arguments& a) {
       1e-6 * film.samples() * static_cast<double>(film.size()) / std::max(used, 1e-9), error());
 }
 
+void render(const Arguments& a) {
+  treeline::shading::LitScene room;
+  try {
+    room = read_room(a);
+  } catch (const std::bad_alloc&) {
+    throw std::runtime_error(a.scene + ": its triangles are more than memory takes");
+  }
+  if (a.width > 0) room.camera.width = a.width;
+  if (a.height > 0) room.camera.height = a.height;
+  try {
+    render(a, room);
+  } catch (const std::bad_alloc&) {
+    // The film, its image, that as a screen shows it, and what is handed to the writer.
+    constexpr std::size_t each = light::Film::bytes_per_pixel() + 3 * (3 * sizeof(float));
+    const auto width = static_cast<std::size_t>(room.camera.width),
+               height = static_cast<std::size_t>(room.camera.height);
+    throw std::runtime_error(
+        fmt::format("{} x {} pixels need {} of memory, {} bytes each, beside {} triangles; that much is not "
+                    "to be had",
+                    width, height, bench::format_bytes(width * height * each), each, room.mesh.size()));
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -168,7 +191,7 @@ int main(int argc, char** argv) {
   app.add_option("--threads", a.threads, "the image does not depend on them")->check(CLI::Range(1, 1024));
   app.add_option("--width", a.width, "pixels")->check(CLI::Range(1, largest_side));
   app.add_option("--height", a.height, "pixels")->check(CLI::Range(1, largest_side));
-  app.add_option("--seed", a.seed, "of room and paths");
+  app.add_option("--seed", a.seed, "of room and paths")->check(datasets::whole_number());
   app.add_option("--error", a.error, "ends when the estimated relative error is no larger")
       ->check(CLI::PositiveNumber);
   app.add_option("--exposure", a.exposure, "of the PNG: this much radiance is white")

@@ -108,6 +108,8 @@ void write_image(const shading::Image& image, const std::filesystem::path& path,
   }
   OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
   spec.attribute("oiio:UnassociatedAlpha", 1);
+  // Or the writer of EXR would date files by the clock: equal images are equal files.
+  if (format == "exr") spec.attribute("DateTime", "");
   const auto out = OIIO::ImageOutput::create(format);
   if (!out) throw FileError(named, "", "cannot be written: " + told(OIIO::geterror()));
   if (!out->open(path.string(), spec) || !out->write_image(OIIO::TypeDesc::FLOAT, image.values.data()) ||

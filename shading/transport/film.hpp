@@ -35,6 +35,7 @@ class Film {
   int height() const { return height_; }
   std::size_t size() const { return pixels_.size(); }
   int set() const { return set_; }
+  static constexpr std::size_t bytes_per_pixel() { return sizeof(Pixel); }
   /// Of this pixel so far.
   std::uint64_t samples(std::size_t pixel) const { return pixels_[pixel].samples; }
   /// A pixel, on average.

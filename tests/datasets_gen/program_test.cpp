@@ -56,6 +56,23 @@ TEST_F(Program, WritesTextures) {
   EXPECT_EQ(run("--check a.png").status, 2);
 }
 
+TEST_F(Program, TakesWholeNumbersAsTheyAre) {
+  for (const char* seed : {"-1", "18446744073709551616", "1.5", "0x10", "' 1'", "''"}) {
+    const Result refused = run(std::string("--n 1000 --seed ") + seed + " uniform_cube a.xyz");
+    EXPECT_EQ(refused.status, 2) << seed;
+    EXPECT_NE(refused.output.find("--seed"), std::string::npos) << refused.output;
+  }
+  EXPECT_EQ(run("--check a.ply --examples -1").status, 2);
+  const auto bytes = [&](const std::string& seed) {
+    const Result made = run("--n 1000 --force --seed " + seed + " uniform_cube a.xyz");
+    EXPECT_EQ(made.status, 0) << made.output;
+    std::ifstream in(folder() / "a.xyz");
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  EXPECT_NE(bytes("18446744073709551615"), bytes("18446744073709551614"));
+  EXPECT_NE(bytes("0"), bytes("1"));
+}
+
 TEST_F(Program, Decimates) {
   if (!reads("ply")) GTEST_SKIP();
   write(generate("icosphere", 5000, 1), folder() / "in.ply");

@@ -143,6 +143,11 @@ TEST_F(Images, AreReadBackBitForBit) {
         continue;
       }
       write(made, path);
+      std::ifstream in(path, std::ios::binary);
+      const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+      const std::string undated("capDate\0string\0\0\0\0\0", 19);  // EXR: a text of no characters
+      EXPECT_EQ(bytes.find("capDate"), bytes.find(undated)) << path << ": equal images are equal files";
+      EXPECT_EQ(bytes.find("tIME"), std::string::npos) << path;
       const Dataset again = read(path);
       EXPECT_EQ(again.kind, Kind::image);
       EXPECT_EQ(again.hash(), made.hash()) << path;
