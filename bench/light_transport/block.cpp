@@ -89,8 +89,8 @@ LightBlock::LightBlock(const std::vector<Method>& methods, BlockInput input)
 }
 
 std::unique_ptr<Subject> LightBlock::build(std::size_t m, const Knobs& knobs, int threads) {
-  return std::make_unique<FilmSubject>(methods_[m], Input{input_.room, threads}, knobs, questions_,
-                                       input_.must_answer);
+  return std::make_unique<FilmSubject>(methods_[m], Input{input_.room, threads, input_.seed}, knobs,
+                                       questions_, input_.must_answer);
 }
 
 bool LightBlock::offers(std::size_t m) const {
@@ -143,10 +143,15 @@ Errors LightBlock::check(std::size_t m, const Subject& subject, std::size_t quer
     return e;
   }
   const Method& method = methods_[m];
-  const bool unbiased = method.info.claim == Claim::stochastic && !knobs.contains("bounces") &&
-                        (method.combines || !input_.seldom);
   const Truth& is = truth(query_set);
-  Errors e = judged(made.film, is, unbiased);
+  const bool ends = knobs.contains("bounces");  // what that leaves is known of walls
+  const bool unbiased =
+      method.info.claim == Claim::stochastic && (method.combines || !input_.seldom) && (!ends || is.walls);
+  std::vector<Vec3d> left;
+  if (unbiased && ends)
+    for (const double x : is.bounces.sum(knobs.at("bounces").get<std::size_t>()))
+      left.push_back(Vec3d::filled(x));
+  Errors e = judged(made.film, is, unbiased, left);
   note_rays(made.traced, e.extra);
   if (is.walls) note_walls(made.film, is, knobs, e.extra);
   return e;

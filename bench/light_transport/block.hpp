@@ -13,7 +13,7 @@ struct BlockInput {
   std::uint64_t dataset_hash = 0, seed = 1;
   RadianceForm form;                // empty: paths tell the truth
   std::optional<BoxOfWalls> walls;  // a query set of their own
-  int wall_repeats = 128;           // pixels a wall
+  int wall_repeats = 512;           // pixels a wall
   TruthOptions truth;
   int threads = 1;  // for the truth
   std::string truth_cache;

@@ -70,7 +70,7 @@ std::vector<Knobs> builds() { return {{{"quality", "medium"}}, {{"quality", "hig
               .quick_builds = 1},
      .build = [](const Input& input, const Knobs& knobs) -> std::unique_ptr<RoomSubject> {
        transport::PathOptions options;
-       options.seed = 1;
+       options.seed = input.seed;
        return std::make_unique<PathSubject<SingleRays>>(
            input, std::make_unique<SingleRays>(input.room.mesh, knobs, input.threads), options);
      },

@@ -63,12 +63,12 @@ ZTest z_test(std::span<const double> off, double besides) {
   const double variance = squares / n / std::max(1.0, n - 1) + besides * besides;
   ZTest test;
   test.z = variance > 0 ? mean / std::sqrt(variance) : mean == 0 ? 0 : std::copysign(1e9, mean);
-  const double skew = squares > 0 ? std::abs(cubes) / std::pow(squares, 1.5) : 0;
-  test.applies = off.size() >= least_differences && skew <= most_skew;
+  test.skew = squares > 0 ? std::abs(cubes) / std::pow(squares, 1.5) : 0;
+  test.applies = off.size() >= least_differences && test.skew <= most_skew;
   return test;
 }
 
-Errors judged(const Film& film, const Truth& truth, bool unbiased) {
+Errors judged(const Film& film, const Truth& truth, bool unbiased, std::span<const Vec3d> mean) {
   Errors e;
   const std::size_t n = film.size(), groups = truth.walls ? truth.radiance.size() : 1;
   std::vector<Vec3d> off(n), is(n);
@@ -84,7 +84,8 @@ Errors judged(const Film& film, const Truth& truth, bool unbiased) {
         off[p][c] = is[p][c] == 0 ? 1 : is[p][c];
       }
     mean_true += grey(is[p]), mean_off += grey(off[p]);
-    of_group[p % groups].push_back(grey(off[p]));
+    const double aside = mean.empty() ? 0 : grey(is[p]) - grey(mean[truth.walls ? p % groups : p]);
+    of_group[p % groups].push_back(grey(off[p]) + aside);
   }
   mean_true /= double(n), mean_off /= double(n);
   for (std::size_t p = 0; p < n; ++p) {
@@ -98,11 +99,11 @@ Errors judged(const Film& film, const Truth& truth, bool unbiased) {
   e.error = relative_rms(off, is);
   e.mean = absolute / scale, e.bias = mean_off / scale, e.floor = truth.floor;
 
-  ZTest worst{0, true};
+  ZTest worst{0, 0, true};
   std::size_t at = 0;
   for (std::size_t g = 0; g < groups; ++g) {
     const ZTest test = z_test(of_group[g], truth.walls ? truth.floor * grey(truth.radiance[g]) : 0);
-    worst.applies = worst.applies && test.applies;
+    worst.applies = worst.applies && test.applies, worst.skew = std::max(worst.skew, test.skew);
     if (std::abs(test.z) > std::abs(worst.z)) worst.z = test.z, at = g;
   }
   const bool tested = unbiased && worst.applies && film.samples() >= least_samples;
@@ -115,6 +116,7 @@ Errors judged(const Film& film, const Truth& truth, bool unbiased) {
              {"light_transport_max", all.back()},
              {"light_transport_p99", all[static_cast<std::size_t>(0.99 * (double(n) - 1))]},
              {"light_transport_z", worst.z},
+             {"light_transport_z_skew", worst.skew},
              {"light_transport_z_tested", tested},
              {"light_transport_bias_error", finite(mean_error(film) / scale)},
              {"light_transport_told_error", finite(film.relative_error())},

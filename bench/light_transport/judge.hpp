@@ -22,6 +22,7 @@ double relative_rms(std::span<const geometry::Vec3d> off, std::span<const geomet
 /// the standard error, and `besides` is one that all have in common.
 struct ZTest {
   double z = 0;
+  double skew = 0;  ///< of the differences, over the root of their number
   /// Whether the normal distribution may be taken for that of z: a few differences do not make up the rest.
   bool applies = false;
 };
@@ -31,7 +32,8 @@ ZTest z_test(std::span<const double> off, double besides = 0);
 inline constexpr double rejected_z = 5;
 
 /// Errors of a film; `unbiased`: more than chance explains breaks the method's claim. Of walls z is the worst
-/// of theirs.
-Errors judged(const Film&, const Truth&, bool unbiased);
+/// of theirs. `mean`: what z is taken from, by pixel or wall, where that is not the truth: of paths that end
+/// early, what they leave.
+Errors judged(const Film&, const Truth&, bool unbiased, std::span<const geometry::Vec3d> mean = {});
 
 }  // namespace treeline::bench::light_transport

@@ -38,6 +38,7 @@ struct Traced {
 struct Input {
   const LitScene& room;
   int threads = 1;
+  std::uint64_t seed = 1;  ///< of all random numbers; truths draw theirs from hashes of it
 };
 
 class RoomSubject {

@@ -12,7 +12,7 @@ using transport::Lights;
 template <Directions D, Lights L>
 std::unique_ptr<RoomSubject> build(const Input& input, const Knobs&) {
   transport::PathOptions options;
-  options.directions = D, options.lights = L, options.seed = 1;
+  options.directions = D, options.lights = L, options.seed = input.seed;
   return std::make_unique<PathSubject<Tree>>(input, make_tree(input.room.mesh), options);
 }
 

@@ -13,6 +13,7 @@
 #include "bench/light_transport/tracer.hpp"
 #include "bench/ray/png.hpp"
 #include "bench/ray/work_picture.hpp"
+#include "geometry/random.hpp"
 
 namespace treeline::bench::light_transport {
 namespace {
@@ -140,11 +141,11 @@ float exposure_of(const Image& radiance) {
   return white > 0 ? 1 / white : 1;
 }
 
-void draw_pictures(const std::vector<Method>& methods, LitScene room, const std::string& dataset, int pixels,
-                   int threads, const std::string& folder) {
+void draw_pictures(const std::vector<Method>& methods, LitScene room, const std::string& dataset,
+                   std::uint64_t seed, int pixels, int threads, const std::string& folder) {
   Album album(folder, dataset);
   const auto converged = [&](int samples) {
-    const auto tracer = mis_tracer(room, 7, samples);
+    const auto tracer = mis_tracer(room, geometry::hash_u64(seed, 7), samples);
     Film film = tracer->film();
     tracer->add(film, samples, threads);
     return film;
@@ -170,7 +171,7 @@ void draw_pictures(const std::vector<Method>& methods, LitScene room, const std:
   };
   const auto render = [&](const Method& m, const Knobs& knobs) {
     Traced traced;
-    return m.build({room, threads}, m.info.build_knobs.front())
+    return m.build({room, threads, seed}, m.info.build_knobs.front())
         ->render({film.width(), film.height(), {}}, knobs, threads, traced);
   };
   for (const Shown& s : shown()) {

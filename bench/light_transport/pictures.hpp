@@ -10,10 +10,11 @@ namespace treeline::bench::light_transport {
 /// Of panels; a converged picture alone has four times as many.
 inline constexpr int picture_pixels = 9'000;
 
-/// `room` is taken in about so many pixels. Adds files and their lines of pictures.jsonl to the folder; in
-/// builds that cannot write PNG nothing is written. Throws std::runtime_error naming what cannot be written.
-void draw_pictures(const std::vector<Method>&, LitScene room, const std::string& dataset, int pixels,
-                   int threads, const std::string& folder);
+/// `room` is taken in about so many pixels; `seed` is that of the paths. Adds files and their lines of
+/// pictures.jsonl to the folder; in builds that cannot write PNG nothing is written. Throws
+/// std::runtime_error naming what cannot be written.
+void draw_pictures(const std::vector<Method>&, LitScene room, const std::string& dataset, std::uint64_t seed,
+                   int pixels, int threads, const std::string& folder);
 
 /// Radiance as a screen shows it: `exposure` times it, in sRGB, cut off at white.
 shading::Image displayed(const shading::Image& radiance, float exposure);

@@ -113,13 +113,14 @@ std::unique_ptr<Block> LightTransportTask::open(datasets::Dataset dataset, const
   input.truth = truth_options(context.profile, context.seed);
   input.threads = all_threads();
   input.quick = context.profile != Profile::full;
+  if (context.profile == Profile::smoke) input.wall_repeats /= 4;
   return std::make_unique<LightBlock>(registered(), std::move(input));
 }
 
 void LightTransportTask::pictures(const BlockSpec& spec, const RunContext& context,
                                   const std::string& folder) const {
   datasets::Dataset dataset = datasets::generate(spec.dataset, spec.n, context.seed);
-  draw_pictures(registered(), dataset.room, spec.dataset,
+  draw_pictures(registered(), dataset.room, spec.dataset, context.seed,
                 context.profile == Profile::smoke ? 128 : picture_pixels, all_threads(), folder);
 }
 

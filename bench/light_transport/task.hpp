@@ -2,21 +2,22 @@
 //
 // The build makes the tree over the room's faces; a query is one pixel, with all its samples. Query sets:
 //   image: the pixels of the room's camera.
-//   walls, of closed_box: 128 pixels a wall whose rays end anywhere on it, as the mean radiance of each wall
+//   walls, of closed_box: 512 pixels a wall whose rays end anywhere on it, as the mean radiance of each wall
 //     is known without a ray (box_radiosity.hpp), for any number of bounces.
 // Truth: formulas where there are some (known.hpp), else a converged image in two halves (truth.hpp).
 // Errors: error is the root of relMSE (judge.hpp), mean the mean absolute error and bias the signed one, both
 // over the mean radiance. Errors of a single pixel are no limit of the advice: fireflies are rare.
 // Fields of its own (light_transport_…): rel_mse; max and p99 of the pixels' relative errors; z (of the mean
 // difference from the truth, in standard errors, from the pixels' own spread; of walls the worst) and
-// z_tested; bias_error (standard error of the bias, from the samples' spread in each pixel); told_error (the
-// film's own estimate of its relative error); kurtosis (of a pixel's samples, in the mean) and largest_share
-// (of the image's light, of one sample); rays and shadow_rays a path; of Whitted tracing bounce_1, bounce_2,
-// … (rays that leave what primary rays meet, and so on, a primary ray), shadow_1, … and all_rays; of walls
-// floor_bias, floor_error (its standard error) and floor_exact (what leaving out further bounces does by
-// radiosity); truth_samples. Claims: stochastic: unbiased, unless the knob bounces ends paths early: a z
-// beyond judge.hpp's bound is wrong, where enough samples make z normal. approximate: nothing but finite
-// numbers.
+// z_tested, whether that says something, which z_skew decides; bias_error (standard error of the bias, from
+// the samples' spread in each pixel); told_error (the film's own estimate of its relative error); kurtosis
+// (of a pixel's samples, in the mean) and largest_share (of the image's light, of one sample); rays and
+// shadow_rays a path; of Whitted tracing bounce_1, bounce_2, … (rays that leave what primary rays meet, and
+// so on, a primary ray), shadow_1, … and all_rays; of walls floor_bias, floor_error (its standard error) and
+// floor_exact (what leaving out further bounces does by radiosity); truth_samples. Claims: stochastic:
+// unbiased, unless the knob bounces ends paths early, and of walls then as bright as radiosity says of so
+// many: a z beyond judge.hpp's bound is wrong, where enough samples make z normal. approximate: nothing but
+// finite numbers. The seed draws rooms, truths and paths anew.
 #pragma once
 
 #include "bench/core/registered_task.hpp"

@@ -13,7 +13,7 @@ namespace {
 class TextbookSubject final : public RoomSubject {
  public:
   TextbookSubject(const Input& input, bool corrected)
-      : room_(input.room), tree_(make_tree(room_.mesh)), corrected_(corrected) {
+      : room_(input.room), seed_(input.seed), tree_(make_tree(room_.mesh)), corrected_(corrected) {
     tracer(Knobs::object());
   }
 
@@ -32,7 +32,7 @@ class TextbookSubject final : public RoomSubject {
 
   std::unique_ptr<Textbook> tracer(const Knobs& knobs) const {
     transport::TextbookOptions options;
-    options.max_bounces = no_limit, options.seed = 1;
+    options.max_bounces = knobs.value("bounces", no_limit), options.seed = seed_;
     const std::string slip = knobs.value("slip", std::string("emitters"));
     options.roulette_first = !corrected_ && slip == "roulette_first";
     options.hemisphere_half_pi = !corrected_ && slip == "half_pi";
@@ -41,6 +41,7 @@ class TextbookSubject final : public RoomSubject {
   }
 
   const LitScene& room_;
+  std::uint64_t seed_;
   std::unique_ptr<Tree> tree_;
   bool corrected_;
   std::map<std::string, std::unique_ptr<Textbook>> tracers_;

@@ -9,7 +9,8 @@ namespace {
 
 class WhittedSubject final : public RoomSubject {
  public:
-  explicit WhittedSubject(const Input& input) : room_(input.room), tree_(make_tree(room_.mesh)) {
+  explicit WhittedSubject(const Input& input)
+      : room_(input.room), seed_(input.seed), tree_(make_tree(room_.mesh)) {
     tracer(Knobs::object());
   }
 
@@ -37,11 +38,12 @@ class WhittedSubject final : public RoomSubject {
   std::unique_ptr<Whitted> tracer(const Knobs& knobs) const {
     transport::WhittedOptions options;
     options.max_bounces = knobs.value("bounces", 5), options.shadow_rays = knobs.value("shadow_rays", 1);
-    options.seed = 1;
+    options.seed = seed_;
     return std::make_unique<Whitted>(*tree_, room_, options);
   }
 
   const LitScene& room_;
+  std::uint64_t seed_;
   std::unique_ptr<Tree> tree_;
   std::map<std::string, std::unique_ptr<Whitted>> tracers_;
 };

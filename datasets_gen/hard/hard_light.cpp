@@ -149,6 +149,12 @@ void add_meaningless(std::vector<HardLight>& all) {
       [](LitScene& room) { room.face_materials.pop_back(); });
   add("light_unknown_material", "a face of a material that is not there is refused",
       [](LitScene& room) { room.face_materials.front() = 99; });
+  for (const auto& [name, scale] : {std::pair("light_room_of_1e-20", 1e-20), {"light_room_of_1e20", 1e20}}) {
+    add(name, "a room so small or large that squares of distances leave float's range is refused",
+        [](LitScene&) {});
+    all.back().source = "float: squares of distances";
+    all.back().make = [scale = scale] { return furnace_at(scale, 0); };
+  }
 }
 
 }  // namespace
