@@ -22,9 +22,12 @@ struct Beckmann {
   T ax, ay;  ///< roughness α along the two tangents, above 0
 
   /// Facets' area per area of surface and steradian, by their normal h, a unit vector: ∫ D cosθ dω = 1.
-  T d(const Direction<T>& h) const {
-    if (!(h[2] > T(0))) return T(0);
-    const T x = h[0] / (ax * h[2]), y = h[1] / (ay * h[2]), e = std::exp(-(x * x + y * y)), z2 = h[2] * h[2];
+  T d(const Direction<T>& h) const { return d_along(h, T(1)); }
+  /// The same by a vector along the normal and its square.
+  T d_along(const Direction<T>& m, T square) const {
+    if (!(m[2] > T(0))) return T(0);
+    const T x = m[0] / (ax * m[2]), y = m[1] / (ay * m[2]), e = std::exp(-(x * x + y * y));
+    const T z2 = m[2] * m[2] / square;
     return e > T(0) ? e / (std::numbers::pi_v<T> * (ax * z2) * (ay * z2)) : T(0);
   }
 

@@ -36,8 +36,8 @@ class Bsdf {
       : kind_((check_material(m), m.kind)),
         distribution_(m.distribution),
         masking_(m.masking),
-        ax_(T(m.alpha_x)),
-        ay_(T(m.alpha_y)),
+        ggx_(T(m.alpha_x), T(m.alpha_y)),
+        beckmann_{T(m.alpha_x), T(m.alpha_y)},
         index_(T(m.index)),
         reflectance_(m.reflectance),
         fresnel_(m) {
@@ -57,8 +57,9 @@ class Bsdf {
     if (delta() || !(wi[2] > T(0) && wo[2] > T(0))) return {};
     if (kind_ == SurfaceKind::diffuse) return reflectance_ * lambert(wi, wo);
     return with_facets([&](const auto& facets) {
-      const Direction<T> h = half_vector(wi, wo);
-      const Colour<T> once = once_colour(wo, h) * facets.eval(wi, wo, h);
+      const Direction<T> m = wi + wo;  // as long as twice the cosine between either and the half vector
+      const T square = geometry::dot(m, m);
+      const Colour<T> once = once_colour(wo, T(0.5) * std::sqrt(square)) * facets.eval(wi, wo, m, square);
       return kulla_conty_ ? once + kulla_conty_->eval(wi, wo) : once;
     });
   }
@@ -92,7 +93,7 @@ class Bsdf {
       const Direction<T> wi = matt ? drawn : reflected(wo, drawn), h = matt ? half_vector(wi, wo) : drawn;
       if (!(wi[2] > T(0))) return BsdfSample<T>{};
       const T pdf_once = facets.pdf_by_normal(h, wo);
-      const Colour<T> weight_once = once_colour(wo, h) * facets.weight(wi, wo);
+      const Colour<T> weight_once = once_colour(wo, geometry::dot(wo, h)) * facets.weight(wi, wo);
       if (!(many > T(0))) return BsdfSample<T>{wi, weight_once, pdf_once, false};
       const T pdf = pdf_once + (lambert_pdf(wi) - pdf_once) * many;
       return BsdfSample<T>{wi, weight_once * (pdf_once / pdf) + kulla_conty_->eval(wi, wo) * (wi[2] / pdf),
@@ -101,9 +102,10 @@ class Bsdf {
   }
 
  private:
-  /// Fresnel's factor of a single bounce, scaled up where that is how its loss is made good.
-  Colour<T> once_colour(const Direction<T>& wo, const Direction<T>& h) const {
-    Colour<T> f = fresnel_(geometry::dot(wo, h));
+  /// Fresnel's factor of a single bounce, scaled up where that is how its loss is made good; cosine: between
+  /// wo and the facet's normal.
+  Colour<T> once_colour(const Direction<T>& wo, T cosine) const {
+    Colour<T> f = fresnel_(cosine);
     if (!turquin_) return f;
     const Colour<T> scale = turquin_->scale(wo);
     for (int i = 0; i < 3; ++i) f[i] *= scale[i];
@@ -114,14 +116,16 @@ class Bsdf {
 
   template <class F>
   auto with_facets(F&& f) const {
-    if (distribution_ == Distribution::ggx) return f(Microfacets<Ggx<T>>{{ax_, ay_}, masking_});
-    return f(Microfacets<Beckmann<T>>{{ax_, ay_}, masking_});
+    if (distribution_ == Distribution::ggx) return f(Microfacets<Ggx<T>>{ggx_, masking_});
+    return f(Microfacets<Beckmann<T>>{beckmann_, masking_});
   }
 
   SurfaceKind kind_;
   Distribution distribution_;
   Masking masking_;
-  T ax_, ay_, index_;
+  Ggx<T> ggx_;
+  Beckmann<T> beckmann_;
+  T index_;
   Colour<T> reflectance_;
   FresnelTerm<T> fresnel_;
   std::optional<KullaConty<T>> kulla_conty_;

@@ -18,13 +18,23 @@ namespace treeline::shading::brdf {
 template <std::floating_point T>
 struct Ggx {
   using Scalar = T;
-  T ax, ay;  ///< roughness α along the two tangents, above 0
+  T ax, ay;                      ///< roughness α along the two tangents, above 0
+  T inverse_x, inverse_y, peak;  ///< of these, and 1 / (π ax ay)
+
+  Ggx(T x, T y)
+      : ax(x),
+        ay(y),
+        inverse_x(T(1) / x),
+        inverse_y(T(1) / y),
+        peak(T(1) / (std::numbers::pi_v<T> * x * y)) {}
 
   /// Facets' area per area of surface and steradian, by their normal h, a unit vector: ∫ D cosθ dω = 1.
-  T d(const Direction<T>& h) const {
-    if (!(h[2] > T(0))) return T(0);
-    const T x = h[0] / ax, y = h[1] / ay, s = x * x + y * y + h[2] * h[2];
-    return T(1) / (std::numbers::pi_v<T> * (ax * s) * (ay * s));
+  T d(const Direction<T>& h) const { return d_along(h, T(1)); }
+  /// The same by a vector along the normal and its square.
+  T d_along(const Direction<T>& m, T square) const {
+    if (!(m[2] > T(0))) return T(0);
+    const T x = m[0] * inverse_x, y = m[1] * inverse_y, s = square / (x * x + y * y + m[2] * m[2]);
+    return peak * s * s;
   }
 
   /// Length of o stretched by the roughness: sqrt(ax² x² + ay² y² + z²).

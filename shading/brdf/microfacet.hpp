@@ -45,16 +45,20 @@ struct Microfacets {
   /// Per steradian, without the cosine.
   T eval(const Direction<T>& wi, const Direction<T>& wo) const {
     if (!(wi[2] > T(0) && wo[2] > T(0))) return T(0);
-    return eval(wi, wo, half_vector(wi, wo));
+    const Direction<T> m = wi + wo;
+    return eval(wi, wo, m, dot(m, m));
   }
-  /// h: the half vector, where it is known; both above the surface.
-  T eval(const Direction<T>& wi, const Direction<T>& wo, const Direction<T>& h) const {
-    return T(0.25) * normals.d(h) * smith_g2_by_cosines(normals, masking, wi, wo);
+  /// m: wi + wo, with its square; both above the surface. To bring it to unit length would cost a root and
+  /// three divisions, and digits.
+  T eval(const Direction<T>& wi, const Direction<T>& wo, const Direction<T>& m, T square) const {
+    return T(0.25) * normals.d_along(m, square) * smith_g2_by_cosines(normals, masking, wi, wo);
   }
 
   /// Density of `sample` per steradian.
   T pdf(const Direction<T>& wi, const Direction<T>& wo) const {
-    return wi[2] > T(0) && wo[2] > T(0) ? pdf_by_normal(half_vector(wi, wo), wo) : T(0);
+    if (!(wi[2] > T(0) && wo[2] > T(0))) return T(0);
+    const Direction<T> m = wi + wo;
+    return T(0.25) * normals.d_along(m, dot(m, m)) / detail::sampled_area(normals, wo);
   }
   T pdf_by_normal(const Direction<T>& h, const Direction<T>& wo) const {
     return T(0.25) * normals.d(h) / detail::sampled_area(normals, wo);
