@@ -4,17 +4,18 @@
 // Problem: volume queries, decimation and half-edge structures need closed, oriented, manifold meshes; files
 // hold others, and most programs repair them without a word. Method: adjacency by sorted half-edges
 // (adjacency.hpp); fans of a vertex and components by union-find (Tarjan 1975); equal vertices by hashing,
-// equal faces by sorting. Everything goes by the indices of the file; `welded` says what joining vertices at
-// equal positions would leave. Cost: O(n log n). Known weakness: equal means bit for bit; vertices that
-// nearly coincide are different.
+// equal faces by sorting; which part lies in which by part_nesting.hpp. Everything goes by the indices of the
+// file; `welded` says what joining vertices at equal positions would leave. Cost: O(n log n), and what
+// part_nesting.hpp says. Known weakness: equal means bit for bit; vertices that nearly coincide are
+// different.
 #pragma once
 
-#include <numbers>
 #include <numeric>
 
 #include "geometry/adjacency.hpp"
 #include "geometry/disjoint_sets.hpp"
 #include "geometry/exact/triangle_triangle.hpp"
+#include "geometry/part_nesting.hpp"
 #include "geometry/predicates.hpp"
 #include "geometry/weld.hpp"
 
@@ -212,53 +213,25 @@ class MeshChecker {
     for (const double v : volumes) made_.inward_components += v < 0;
   }
 
-  /// The winding number of all other parts around a part is 0 where that must look outward, 1 where inward.
-  /// A part says nothing about points out of its box. By solid angles (van Oosterom and Strackee 1983).
   void check_nesting() {
-    struct Part {
-      Box<float, 3> box;
-      std::vector<std::uint32_t> faces;
-    };
-    std::vector<std::uint32_t> number(mesh_.size());
-    std::vector<Part> parts;
+    std::vector<std::uint32_t> number(mesh_.size());  // of a part, by its lowest face; from 1
+    std::vector<PartNesting::Part> parts;
     for (std::uint32_t f = 0; f < mesh_.size(); ++f) {
-      if (repeats(mesh_.faces[f]) || !is_finite(mesh_.triangle(f))) continue;
-      if (number[part_[f]] == 0) parts.emplace_back(), number[part_[f]] = std::uint32_t(parts.size());
-      Part& part = parts[number[part_[f]] - 1];
-      part.faces.push_back(f);
-      for (const std::uint32_t v : mesh_.faces[f]) part.box.grow(mesh_.vertices[v]);
-    }
-    constexpr std::size_t most_tries = 8;  // points of a part, where one lies on another part
-    constexpr double unclear = 0.01;       // far more than the sums round, far less than a touching face
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      const double volume = volumes_[part_[parts[i].faces[0]]];
-      for (std::size_t k = 0; k < std::min(most_tries, parts[i].faces.size()); ++k) {
-        const Triangle3d face(mesh_.triangle(parts[i].faces[k]));
-        // A little into what the part itself goes around: another part's face may lie flush.
-        constexpr double share = 0x1p-20;
-        const Vec3d normal = face.area_normal();
-        const double longest2 =
-            std::max({length2(face.b - face.a), length2(face.c - face.b), length2(face.a - face.c)});
-        if (!(length2(normal) > 0)) continue;
-        const Vec3d at = face.centroid() - normal * (std::copysign(share, volume) / std::sqrt(longest2));
-        double winding = 0;
-        for (std::size_t j = 0; j < parts.size(); ++j)
-          if (j != i && Box<double, 3>{Vec3d(parts[j].box.low), Vec3d(parts[j].box.high)}.contains(at))
-            for (const std::uint32_t f : parts[j].faces) winding += turns(Triangle3d(mesh_.triangle(f)), at);
-        const double whole = std::round(winding);
-        if (!(std::abs(winding - whole) < unclear)) continue;
-        if ((volume > 0 && whole != 0) || (volume < 0 && whole != 1))
-          found(made_.misnested_components, {parts[i].faces[0]}, {});
-        break;
+      if (repeats(mesh_.faces[f])) continue;
+      if (number[part_[f]] == 0) {
+        parts.push_back({{}, volumes_[part_[f]]});
+        number[part_[f]] = static_cast<std::uint32_t>(parts.size());
       }
+      PartNesting::Part& part = parts[number[part_[f]] - 1];
+      if (is_finite(mesh_.triangle(f)))
+        part.faces.push_back(f);
+      else
+        part.whole = false;
     }
-  }
-  /// The solid angle of a triangle, as a share of all directions; positive if it is seen from behind.
-  static double turns(const Triangle3d& t, const Vec3d& from) {
-    const Vec3d a = t.a - from, b = t.b - from, c = t.c - from;
-    const double x = length(a), y = length(b), z = length(c);
-    return std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y) /
-           (2 * std::numbers::pi);
+    std::erase_if(parts, [](const PartNesting::Part& part) { return part.faces.empty(); });
+    PartNesting nesting(mesh_, parts);
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      if (nesting.looks_the_wrong_way(i)) found(made_.misnested_components, {parts[i].faces[0]}, {});
   }
 
   void weld() {

@@ -7,9 +7,9 @@
 // (winding_tree.hpp): once. That changes from face to face only where some other one touches: of faces that
 // none touches, and that hang together by edges of two, one is asked; of those that are touched every piece
 // that the tree has cut, since only some of a face may border on what is enclosed twice. For parts that are
-// inside out one face of each is asked. Cost: boxes and exact tests for touches, some two microseconds a
-// face; where there is more than one part, or a touch, another tree over the faces and a query for each that
-// is asked. Known weakness: pieces thinner than 2^-8 of a step are not asked.
+// inside out one face of each is asked. Cost: for touches what near_faces.hpp takes, O(n log n) around
+// corners of many faces, too; where there is more than one part, or a touch, another tree over the faces and
+// a query for each that is asked. Known weakness: pieces thinner than 2^-8 of a step are not asked.
 #pragma once
 
 #include <limits>
@@ -17,6 +17,7 @@
 #include <optional>
 
 #include "accel/bsp_solid/build.hpp"
+#include "accel/near_faces.hpp"
 #include "accel/signed_distance/winding_tree.hpp"
 #include "geometry/adjacency.hpp"
 #include "geometry/disjoint_sets.hpp"
@@ -25,33 +26,33 @@
 
 namespace treeline::accel::solid {
 
-/// Of each triangle whether another one has a point in common with it beyond corners and edges that both have
-/// (exact/triangle_triangle.hpp), or is the same.
-inline std::vector<bool> touched_faces(const geometry::Mesh3d& mesh) {
-  // Rounding to float keeps the order of coordinates, so that boxes that meet still do.
-  std::vector<geometry::Triangle3f> rounded;
-  for (std::size_t f = 0; f < mesh.size(); ++f) rounded.emplace_back(mesh.triangle(f));
-  const BinaryTree tree = build_binned(rounded);
-  std::vector<bool> touched(mesh.size());
-  std::vector<std::uint32_t> open;
-  for (std::uint32_t f = 0; f < mesh.size(); ++f) {
-    const geometry::Triangle3d t = mesh.triangle(f);
-    const geometry::Box3f box = rounded[f].box();
-    open.assign(1, 0);
-    while (!open.empty()) {
-      const BinaryNode& node = tree.nodes[open.back()];
-      open.pop_back();
-      if (!box.overlaps(node.box)) continue;
-      if (node.count == 0) open.push_back(node.first), open.push_back(node.first + 1);
-      for (std::uint32_t k = node.first; k < node.first + node.count; ++k) {
-        const std::uint32_t g = tree.references[k];
-        if (g <= f || (touched[f] && touched[g]) || !box.overlaps(rounded[g].box())) continue;
-        const geometry::Triangle3d u = mesh.triangle(g);
-        if (geometry::cross_each_other(t, u) || geometry::SharedCorners(t, u).count == 3)
-          touched[f] = touched[g] = true;
-      }
-    }
+/// Which of a mesh's faces another one touches.
+class TouchFinder {
+ public:
+  TouchFinder(const std::vector<geometry::Triangle3d>& triangles, std::vector<bool>& touched)
+      : triangles_(triangles), touched_(touched) {}
+
+  void operator()(std::uint32_t f, std::uint32_t g) const {
+    if (touched_[f] && touched_[g]) return;
+    const geometry::Triangle3d &t = triangles_[f], &u = triangles_[g];
+    if (geometry::cross_each_other(t, u) || geometry::SharedCorners(t, u).count == 3)
+      touched_[f] = touched_[g] = true;
   }
+
+ private:
+  const std::vector<geometry::Triangle3d>& triangles_;
+  std::vector<bool>& touched_;
+};
+
+/// Of each triangle whether another one has a point in common with it beyond corners and edges that both have
+/// (exact/triangle_triangle.hpp), or is the same. welded: the faces by the first vertices at their positions.
+inline std::vector<bool> touched_faces(const geometry::Mesh3d& mesh,
+                                       const std::vector<geometry::Mesh3d::Face>& welded) {
+  std::vector<geometry::Triangle3d> triangles;
+  for (std::size_t f = 0; f < mesh.size(); ++f) triangles.push_back(mesh.triangle(f));
+  std::vector<bool> touched(mesh.size());
+  constexpr int threads = 1;  // they would share the bits
+  each_near_pair(triangles, welded, threads, TouchFinder(triangles, touched), [](const TouchFinder&) {});
   return touched;
 }
 
@@ -78,8 +79,12 @@ class PartsCheck {
     const std::vector<std::size_t> of_parts =
         highest([&](std::size_t i) { return std::optional(parts.find(names_[i])); });
 
-    const std::vector<bool> touched = touched_faces(mesh_);
-    geometry::DisjointSets sheets = untouched_sheets(touched);
+    const std::vector<std::uint32_t> first = geometry::first_at_position(mesh_.vertices);
+    auto welded = mesh_.faces;
+    for (auto& f : welded)
+      for (std::uint32_t& v : f) v = first[v];
+    const std::vector<bool> touched = touched_faces(mesh_, welded);
+    geometry::DisjointSets sheets = untouched_sheets(welded, touched);
     const std::vector<std::size_t> of_sheets = highest([&](std::size_t i) {
       return touched[i] ? std::nullopt : std::optional(sheets.find(static_cast<std::uint32_t>(i)));
     });
@@ -126,13 +131,10 @@ class PartsCheck {
   }
 
   /// What hangs together by edges, at equal positions, of two faces that none touches.
-  geometry::DisjointSets untouched_sheets(const std::vector<bool>& touched) const {
-    const std::vector<std::uint32_t> first = geometry::first_at_position(mesh_.vertices);
-    auto faces = mesh_.faces;
-    for (auto& f : faces)
-      for (std::uint32_t& v : f) v = first[v];
-    const geometry::Adjacency adjacency(faces, mesh_.vertices.size());
-    geometry::DisjointSets sheets(faces.size());
+  geometry::DisjointSets untouched_sheets(const std::vector<geometry::Mesh3d::Face>& welded,
+                                          const std::vector<bool>& touched) const {
+    const geometry::Adjacency adjacency(welded, mesh_.vertices.size());
+    geometry::DisjointSets sheets(welded.size());
     for (const auto& edge : adjacency.edges()) {
       if (edge.count != 2) continue;
       const auto sides = adjacency.half_edges_of(edge);

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <span>
 #include <vector>
 
@@ -28,10 +29,13 @@ class ColumnGrid {
  public:
   /// Faces with a coordinate that is not finite, and those of no area, which bound nothing, are left out. The
   /// mesh must outlive the grid.
-  explicit ColumnGrid(const Mesh3f& mesh) : mesh_(mesh) {
-    for (std::uint32_t f = 0; f < mesh.size(); ++f)
+  explicit ColumnGrid(const Mesh3f& mesh) : ColumnGrid(mesh, std::views::iota(std::size_t{0}, mesh.size())) {}
+  /// Of some of its faces alone.
+  template <std::ranges::input_range Faces>
+  ColumnGrid(const Mesh3f& mesh, const Faces& faces) : mesh_(mesh) {
+    for (const std::size_t f : faces)
       if (const auto t = mesh.triangle(f); is_finite(t) && !is_degenerate(t))
-        faces_.push_back(f), box_.grow(Triangle3d(t).box());
+        faces_.push_back(static_cast<std::uint32_t>(f)), box_.grow(Triangle3d(t).box());
     cells_ = std::clamp<std::size_t>(static_cast<std::size_t>(std::sqrt(static_cast<double>(faces_.size()))),
                                      1, most_cells);
     // Faces far larger than a cell would be in too many.
