@@ -17,8 +17,8 @@
 // bound_cells (the mean of its bricks' bounds on the error, in cells), told_closed, told_inside_out,
 // sign_conflicts, undecided_signs. Truth: truth.hpp. Claims: bounded: an answer is off by no more than the
 // field said it might be, and is what it said that of; a ray that missed a surface, or went through one to
-// hit another, was told to be doubtful, one that hit is within the bound of one, and no more than half of all
-// rays are doubtful. approximate: none.
+// hit another, was told to be doubtful, one that hit is within the bound of one, and of the rays that clearly
+// miss, by what the field says for certain along them, no more than half are doubtful. approximate: none.
 #pragma once
 
 #include "bench/core/registered_task.hpp"

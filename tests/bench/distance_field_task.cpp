@@ -87,6 +87,7 @@ enum class Fault {
   tells_far_wall,  // of every tenth ray, which it doubts
   always_doubtful_miss,
   always_doubtful_hit,  // where it is
+  always_exhausted,     // gives up on every ray, and doubts none
   batch_only_wrong      // one by one it is right
 };
 const geometry::Mesh3f* faulty_mesh = nullptr;
@@ -111,7 +112,8 @@ class Faulty final : public Field {
       out[i] = {.t = static_cast<float>(passes && std::isfinite(second[i]) ? second[i] : hits[i])};
       out[i].doubtful = (fault == Fault::tells_far_wall && passes) || fault == Fault::always_doubtful_hit ||
                         fault == Fault::always_doubtful_miss;
-      if (fault == Fault::misses_silently || fault == Fault::always_doubtful_miss)
+      out[i].exhausted = fault == Fault::always_exhausted;
+      if (fault == Fault::misses_silently || fault == Fault::always_doubtful_miss || out[i].exhausted)
         out[i].t = std::numeric_limits<float>::infinity();
       if (fault == Fault::hits_nothing) out[i].t = 0.01f;
     }
@@ -165,6 +167,7 @@ TEST(DistanceFieldTask, FaultsAreFound) {
   EXPECT_EQ(sets_found_wrong<Fault::tells_far_wall>(), std::set<std::string>{});
   EXPECT_EQ(sets_found_wrong<Fault::always_doubtful_miss>(), rays);
   EXPECT_EQ(sets_found_wrong<Fault::always_doubtful_hit>(), rays);
+  EXPECT_EQ(sets_found_wrong<Fault::always_exhausted>(), rays);
   EXPECT_EQ(sets_found_wrong<Fault::batch_only_wrong>(), points);
 }
 
