@@ -94,10 +94,7 @@ class Packet {
       }
       t_min_[i] = t_min_[0], limit_[i] = -infinity;
     }
-    const auto ends = [&](const float(&x)[packet_size]) {
-      const auto [low, high] = std::minmax_element(x, x + packet_size);
-      return std::pair(*low, *high);
-    };
+    const auto ends = [](const float(&x)[packet_size]) { return std::pair(least(x), most(x)); };
     Interval all;
     for (int k = 0; k < 3; ++k) {
       const auto enter = ends(enter_from_[k]), exit = ends(exit_from_[k]), inverse = ends(inverse_[k]);
@@ -146,7 +143,30 @@ class Packet {
     const R end = min(min(exit[0], exit[1]), min(exit[2], R::load(limit_)));
     return bits_le(begin, end);
   }
-  float farthest() const { return *std::max_element(limit_, limit_ + size_); }
+  float farthest() const { return most(limit_); }
+
+  // By halves, on registers: branches that ask which is less cannot be foreseen.
+  static float least(const float (&x)[packet_size]) {
+    return reduced(x, [](auto p, auto q) {
+      using std::min;
+      return min(p, q);
+    });
+  }
+  static float most(const float (&x)[packet_size]) {
+    return reduced(x, [](auto p, auto q) {
+      using std::max;
+      return max(p, q);
+    });
+  }
+  template <class Pick>
+  [[gnu::always_inline]] static float reduced(const float (&x)[packet_size], Pick&& pick) {
+    static_assert(packet_size == 16);
+    using Eight = simd::Floats<8>;
+    alignas(32) float a[8], b[4];
+    pick(Eight::load(x), Eight::load(x + 8)).store(a);
+    pick(simd::Floats4::load(a), simd::Floats4::load(a + 4)).store(b);
+    return pick(pick(b[0], b[1]), pick(b[2], b[3]));
+  }
 
   template <bool any>
   Rays walked(const Line* lines, Ref root) {
