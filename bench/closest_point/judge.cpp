@@ -66,7 +66,7 @@ Judged Judge::operator()(const geometry::Vec3f& query, const TrueClosest& truth,
   const Triangle3d nearest(mesh_.triangle(truth.primitive));
   // How far it is does not depend on what a method names instead of the nearest.
   const double reach = std::max(largest(q), largest(nearest));
-  double reach_of_named = reach;
+  double reach_of_named = reach, too_far = 0;  // the triangle named, than the nearest
   if (promise.names_triangles) {
     if (answer.primitive >= mesh_.size() || !geometry::is_finite(mesh_.triangle(answer.primitive)))
       return failed(Verdict::no_triangle);
@@ -77,7 +77,8 @@ Judged Judge::operator()(const geometry::Vec3f& query, const TrueClosest& truth,
     if (answer.primitive != truth.primitive) {
       const double distance2 = geometry::exact_distance2(q, named);
       judged.farther = distance2 > truth.distance2;
-      judged.much_farther = std::sqrt(distance2) - distance > much * diagonal_;
+      too_far = std::sqrt(distance2) - distance;
+      judged.much_farther = too_far > much * diagonal_;
     }
   }
   judged.signed_error = (geometry::length(q - answer.point) - distance) / diagonal_;
@@ -102,6 +103,8 @@ Judged Judge::operator()(const geometry::Vec3f& query, const TrueClosest& truth,
     judged.verdict = Verdict::wrong_distance;
   const double roundings = promise.claim == Claim::exact ? exact_slack : bounded_slack;
   const double slack = roundings * rounding(reach, promise);
+  // A point may lie as far off a triangle as that one's coordinates excuse: not so its distance.
+  if (promise.claim == Claim::bounded && too_far > slack) judged.verdict = Verdict::farther_triangle;
   if (promise.claim == Claim::bounded && !is_square(answer.distance2, distance, slack, promise.in_float))
     judged.verdict = Verdict::wrong_distance;
   if (!(std::abs(judged.signed_error) * diagonal_ <= slack)) judged.verdict = Verdict::wrong_distance;

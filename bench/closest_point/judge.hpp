@@ -15,7 +15,7 @@ enum class Verdict {
   no_triangle,      // names a triangle that the mesh does not have or that is not finite
   wrong_distance,   // the point answered, or the distance, is nearer or farther than the claim allows
   off_triangle,     // the point answered is farther off the triangle named than the claim allows
-  farther_triangle  // of exact methods: another triangle is nearer, as far as double can tell
+  farther_triangle  // another triangle is nearer than the one named by more than the claim allows
 };
 std::string_view to_string(Verdict);
 

@@ -16,10 +16,11 @@
 // true
 //   one rounded once, and the point is right to 4 unit roundoffs of float. bounded: the distance, as it is
 //   told and to the point, is off by at most 64 unit roundoffs of the largest |coordinate| of the query and
-//   the nearest triangle, and the point off the triangle named by as much of the query and that triangle; of
-//   float or, of methods that say so, double; of methods that answer in float at least 64 of float's least
-//   steps. approximate: nothing, but an answer off by both a hundredth of the diagonal and that bound is
-//   wrong (not of methods that search a mesh of their own).
+//   the nearest triangle, the triangle named is no farther than the nearest by more than that, and the point
+//   off the triangle named by as much of the query and that triangle; of float or, of methods that say so,
+//   double; of methods that answer in float at least 64 of float's least steps. approximate: nothing, but an
+//   answer off by both a hundredth of the diagonal and that bound is wrong (not of methods that search a mesh
+//   of their own).
 // Advice: on near, uniform and on_vertex. The ladder begins with decimated meshes: the least model.
 #pragma once
 

@@ -139,6 +139,34 @@ TEST(ClosestPointJudge, AFarTriangleIsNoExcuse) {
             Verdict::wrong_distance);
 }
 
+/// What a method makes of queries that knows the right points and names any large triangle for them.
+Answer naming(accel::Id primitive, const TrueClosest& truth, const Vec3d& point) {
+  return {truth.distance2, primitive, accel::Feature::face, point};
+}
+
+// Of a triangle with large coordinates every point near by is as good as on it; the triangle itself may still
+// be farther away than the nearest.
+TEST(ClosestPointJudge, HoldsTheDistanceOfTheTriangleThatIsNamed) {
+  const float large = 1e8f;  // 64 roundings of it: 381
+  for (const auto& [gap, in_floats, in_doubles] :
+       {std::tuple{0x1p-30f, Verdict::right, Verdict::farther_triangle},
+        std::tuple{1e-3f, Verdict::farther_triangle, Verdict::off_triangle},
+        std::tuple{0.5f, Verdict::farther_triangle, Verdict::off_triangle}}) {
+    const Mesh3f two{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, -gap}, {large, 0, -gap}, {0, large, -gap}},
+                     {{0, 1, 2}, {3, 4, 5}}};
+    const Vec3f query{0.25f, 0.25f, 1};
+    const TrueClosest truth = true_closest(two, std::vector{query}, 1)[0];
+    ASSERT_EQ(truth.primitive, 0u);
+    const Vec3d nearest{0.25, 0.25, 0};
+    for (const Promise& promise : {bounded, in_double})
+      EXPECT_EQ(Judge(two)(query, truth, naming(0, truth, nearest), promise).verdict, Verdict::right);
+    const Judged broken = Judge(two)(query, truth, naming(1, truth, nearest), bounded);
+    EXPECT_EQ(broken.verdict, in_floats) << gap;
+    EXPECT_TRUE(broken.farther);
+    EXPECT_EQ(Judge(two)(query, truth, naming(1, truth, nearest), in_double).verdict, in_doubles) << gap;
+  }
+}
+
 // Where floats are no nearer to each other, a float may be so many steps off, and a double may not.
 TEST(ClosestPointJudge, KnowsTheSpacingOfTheSmallestFloats) {
   const float s = 1e-42f, step = std::numeric_limits<float>::denorm_min();
