@@ -1,11 +1,15 @@
 # Types that cannot be: each must be refused with a message in plain words, and its right neighbour compile.
 # Usage: cmake -DSOURCE=… -DWORK=… -DCXX=… -P refused_types.cmake
 file(MAKE_DIRECTORY ${WORK})
-function(expect type message)
-  file(WRITE ${WORK}/type.cpp "#include <accel/bsp_tree.hpp>
+# GCC reads these precompiled, a compiler that does not look for that as they are.
+file(WRITE ${WORK}/trees.hpp "#include <accel/bsp_tree.hpp>
 #include <accel/brute_force.hpp>
 #include <accel/bvh.hpp>
 #include <accel/kd_tree.hpp>
+")
+execute_process(COMMAND ${CXX} -std=c++20 -I${SOURCE} -x c++-header ${WORK}/trees.hpp -o ${WORK}/trees.hpp.gch)
+function(expect type message)
+  file(WRITE ${WORK}/type.cpp "#include \"trees.hpp\"
 using namespace treeline;
 using namespace treeline::accel;
 auto size = sizeof(${type});
