@@ -73,7 +73,7 @@ class SurfaceBlock final : public Block {
   bool offers(std::size_t m) const override { return methods_[m].asks == input_.asks; }
 
   std::unique_ptr<Subject> build(std::size_t m, const Knobs& knobs, int threads) override {
-    return std::make_unique<Asked>(methods_[m], Input{material(), threads}, knobs, input_.sets,
+    return std::make_unique<Asked>(methods_[m], Input{material(), threads, input_.seed}, knobs, input_.sets,
                                    input_.must_answer);
   }
 

@@ -103,6 +103,7 @@ class Answerer {
 struct Input {
   const Material& material;
   int threads = 1;
+  std::uint64_t seed = 1;  ///< of all random numbers
 };
 
 struct Method {

@@ -145,7 +145,7 @@ PointSet point_set(const std::string& name) {
 template <Way way>
 class MonteCarlo final : public Answerer {
  public:
-  explicit MonteCarlo(const Input& input) : estimator_(input.material) {}
+  explicit MonteCarlo(const Input& input) : estimator_(input.material), seed_(input.seed) {}
 
   void answer(const Set& set, const Knobs& knobs, int threads, std::span<float> out) override {
     check(set);
@@ -183,7 +183,7 @@ class MonteCarlo final : public Answerer {
     share(queries, threads, [&](std::size_t q) {
       thread_local std::vector<Vec2f> square, viewers;
       square.resize(samples);
-      const std::uint64_t seed = geometry::hash_u64(q, samples);
+      const std::uint64_t seed = geometry::hash_u64(seed_, geometry::hash_u64(q, samples));
       geometry::fill_points<float>(points, seed, square);
       Sink sink;
       if (set.averages == 0) {
@@ -205,6 +205,7 @@ class MonteCarlo final : public Answerer {
   }
 
   Estimator estimator_;
+  std::uint64_t seed_;
 };
 
 /// Every kind of points, or only the worst and the best.

@@ -171,6 +171,25 @@ TEST(BrdfIntegralTask, FaultsAreFound) {
   EXPECT_FALSE(within_claim<Fault::negative>());
 }
 
+TEST(BrdfIntegralTask, AnotherSeedDrawsOtherSamples) {
+  const auto answers = [](const Method& method, std::uint64_t seed) {
+    const Material m = datasets::make_surface("ggx_0.3");
+    const Set set = make_hard_integral_sets(std::vector{0.5}, 1)[1];
+    std::vector<float> out(3 * set.queries());
+    const Input input{m, 1, seed};
+    method.build(input, Knobs::object())->answer(set, method.info.query_knobs.front(), 1, out);
+    return out;
+  };
+  std::size_t tried = 0;
+  for (const Method& method : task().registered()) {
+    if (method.info.claim != Claim::stochastic) continue;
+    ++tried;
+    EXPECT_EQ(answers(method, 1), answers(method, 1)) << method.info.name;
+    EXPECT_NE(answers(method, 1), answers(method, 2)) << method.info.name;
+  }
+  EXPECT_GE(tried, 8u);
+}
+
 TEST(BrdfIntegralProgram, SmokeProfileEndsWellAndTheLadderClimbs) {
   const auto folder = std::filesystem::temp_directory_path() / "treeline_brdf_integral_program";
   std::filesystem::remove_all(folder);
