@@ -12,14 +12,16 @@ alt = charts.alt
 
 FEW = 1e-4  # of a bias: what no run here can tell from none
 EQUAL = 64  # samples at which methods are held against each other
+REACH = 10  # times the truth's own relMSE: nearer, more than a tenth of what is measured is the truth's noise
 
 CONVERGENCE = """relMSE against samples a pixel, both logarithmic, and the slope of each line, fitted by least squares: −1 is
 what independent samples give, whatever the method; a net of Sobol points, all of a pixel's samples being one, falls
-faster where the light is smooth. Biased methods stop at the square of what they lack. The dashed line has slope −1."""
+faster where the light is smooth. Biased methods stop at the square of what they lack. The dashed line has slope −1. Grey below:
+the truth is itself that noisy, and no error can be measured there; marks within a factor of {reach:g} of it have no part in a slope."""
 
 EFFICIENCY = """1 over relMSE × seconds of processor time a pixel, at {samples} samples: how much a method is worth at any
 time, as one of twice the efficiency needs half the time for the same noise. Biased methods are left out: more time does
-not help them."""
+not help them. So is what lies within a factor of {reach:g} of the truth's own noise, which would be taken for the method's.{noisy}"""
 
 DEPTH = """How much darker the image, or the mean radiance of the closed box's floor, gets by ending paths after so many
 bounces; 1 is direct light alone. The strong line without marks is what radiosity, without a ray, says of the floor.
@@ -81,6 +83,16 @@ def slope(points):
     return sum((x - mx) * (y - my) for x, y in logs) / sum((x - mx) ** 2 for x, _ in logs)
 
 
+def noise(rows):
+    """The truth's own relMSE, or None where it has none, as formulas."""
+    return max((r.error_floor or 0 for r in rows), default=0) ** 2 or None
+
+
+def told_apart(row):
+    """Its error is told from the truth's."""
+    return field(row, "rel_mse") > REACH * (row.error_floor or 0) ** 2
+
+
 def series(rows):
     """{series: [(samples, relMSE, row)]}, ascending; the build with most rows."""
     found = {}
@@ -117,28 +129,28 @@ def _convergence(task, numbers, width):
             continue
         values, ends = [], []
         for name, points in found.items():
-            fitted = slope([p[:2] for p in points])
+            fitted = slope([p[:2] for p in points if told_apart(p[2])])
             for n, error, row in points:
                 values.append({"i": numbers[id(row)], "method": row.method, "series": name, "x": n, "y": error})
-            ends.append({"method": points[0][2].method, "x": points[-1][0], "y": points[-1][1], "text": f"{name} {fitted:.2f}".replace("-", "−")})
+            ends.append({"method": points[0][2].method, "x": points[-1][0], "y": points[-1][1], "text": name if fitted is None else f"{name} {fitted:.2f}".replace("-", "−")})
         looks = _looks(task, {v["method"] for v in values})
         methods |= set(looks)
-        chart = _convergence_chart(values, ends, looks, width)
+        chart = _convergence_chart(values, ends, looks, noise(rows), width)
         figures.append(Figure(f"{task.name}-convergence-{dataset}", title, dataset, chart))
-    return Card(f"{task.name}-card-convergence", "Convergence", CONVERGENCE, figures, tuple(methods))
+    return Card(f"{task.name}-card-convergence", "Convergence", CONVERGENCE.format(reach=REACH), figures, tuple(methods))
 
 
 LABELS = 135  # pixels beside the lines, for their names and slopes
 
 
-def _convergence_chart(values, ends, looks, width):
+def _convergence_chart(values, ends, looks, floor, width):
     height = 300
     first, most = (pick(v["x"] for v in values) for pick in (min, max))
     x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, domain=[first, most], range=[4, alt.expr(f"width - {LABELS}")]),
               axis=alt.Axis(title="samples a pixel, log", values=sorted({v["x"] for v in values}), gridOpacity=0.5))  # fmt: skip
     places = charts.spread([e["y"] for e in ends], [v["y"] for v in values], height)
     ends = [end | {"at": place} for end, place in zip(ends, places)]
-    low, high = (pick([v["y"] for v in values] + places) for pick in (min, max))
+    low, high = (pick([v["y"] for v in values] + places + [floor or places[0]]) for pick in (min, max))
     scale = alt.Scale(type="log", nice=False, domain=[low / 1.5, 1.5 * high])
     y = alt.Y("y:Q", scale=scale, axis=alt.Axis(title="relMSE, log", format=".0e", tickCount=6, gridOpacity=0.5))
     color, _ = charts._scales(looks)
@@ -152,7 +164,13 @@ def _convergence_chart(values, ends, looks, width):
     dots = charts._points(base, looks, False, 30).encode(x=x, y=y)
     label = alt.Chart(alt.Data(values=ends)).mark_text(align="left", dx=6, fontSize=9, fill=INK, opacity=charts._pick("0.9")).encode(
         x=x, y=alt.Y("at:Q", scale=scale), text="text:N")  # fmt: skip
-    return alt.layer(ideal, lines, dots, label).add_params(charts._pick_param()).properties(width=width, height=height)
+    ground = []
+    if floor:  # what no error can be measured in
+        at = alt.Chart(alt.Data(values=[{"y": floor, "low": low / 1.5}]))
+        ground = [at.mark_rect(color="#888", opacity=0.25).encode(y=y, y2="low:Q"),
+                  at.mark_text(align="left", baseline="top", x=5, dy=3, fontSize=9, fontStyle="italic", fill=INK, opacity=0.7).encode(
+                      y=y, text=alt.value("the truth's own noise"))]  # fmt: skip
+    return alt.layer(*ground, ideal, lines, dots, label).add_params(charts._pick_param()).properties(width=width, height=height)
 
 
 # ---- efficiency and speed ----------------------------------------------------------------------------------------------
@@ -176,14 +194,19 @@ def _lanes(values, looks, title, width):
 
 
 def _efficiency(task, numbers, width):
-    figures = []
+    figures, drowned = [], []
     for title, dataset, rows in _rooms(task, soft(task)):
-        values, seen = [], set()
+        values, seen, noisy = [], set(), False
         for r in rows:
             name = series_name(r)
             if r.claim == "stochastic" and plain(r) and samples(r) == EQUAL and efficiency(r) and name not in seen:
                 seen.add(name)
+                if not told_apart(r):
+                    noisy = True
+                    continue
                 values.append({"i": numbers[id(r)], "method": r.method, "series": name, "x": efficiency(r)})
+        if noisy:
+            drowned.append(dataset)
         if not values:
             continue
         mis = next((v["x"] for v in values if v["series"] == "mis"), None)
@@ -191,7 +214,9 @@ def _efficiency(task, numbers, width):
             v["label"] = f"{figure(v['x'] / mis)}×" if mis else ""
         chart = _lanes(values, _looks(task, {v["method"] for v in values}), "1 / (relMSE · s), log; × that of mis", width)
         figures.append(Figure(f"{task.name}-efficiency-{dataset}", title, dataset, chart))
-    return Card(f"{task.name}-card-efficiency", "Efficiency", EFFICIENCY.format(samples=EQUAL), figures)
+    noisy = f" Here that leaves out some of {', '.join(drowned)}: a finer profile has a quieter truth." if drowned else ""
+    caption = EFFICIENCY.format(samples=EQUAL, reach=REACH, noisy=noisy)
+    return Card(f"{task.name}-card-efficiency", "Efficiency", caption, figures)
 
 
 def paths_a_second(row):
@@ -219,7 +244,7 @@ def _speed(task, numbers, width):
     for dataset, pair in speeds(soft(task)).items():
         ratio = paths_a_second(pair[0]) / paths_a_second(pair[1])
         for r in pair:
-            label = f"{figure(ratio)}×" if r is max(pair, key=paths_a_second) else ""  # where no mark follows
+            label = f"mis {figure(ratio)}×" if r is max(pair, key=paths_a_second) else ""  # where no mark follows
             values.append({"i": numbers[id(r)], "method": r.method, "series": dataset, "x": paths_a_second(r), "label": label})
     if not values:
         return Card("", "", "", [])
@@ -304,7 +329,7 @@ def _bias(task, width):
         spans = base.mark_rule(strokeWidth=2, color="#0072B2").encode(x=alt.X("lo:Q", scale=scale), x2="hi:Q", y=y)
         dots = base.mark_point(filled=True, size=50, color="#0072B2", opacity=1).encode(x=x, y=y)
         labels = [layer.encode(x=alt.X("hi:Q", scale=scale), y=y, text="label:N") for layer in charts._named(base, "0.85", dx=8)]
-        chart = alt.layer(zero, spans, dots, *labels).properties(width=width, height=alt.Step(22))
+        chart = alt.layer(zero, spans, dots, *labels).add_params(charts._pick_param()).properties(width=width, height=alt.Step(22))
         figures.append(Figure(f"{task.name}-bias-{dataset}", dataset, dataset, chart))
     return Card(f"{task.name}-card-bias", "The textbook's path tracer", BIAS, figures)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
+import vl_convert
 from bench.report import charts, claims, model, transport
 from report_made import made, read
 
@@ -56,6 +57,36 @@ class Cards(unittest.TestCase):
         texts = {v["text"] for v in values_of(cards["Convergence"].figures[0].chart) if "text" in v}
         self.assertEqual(texts, {"mis −1.00", "mis (sobol) −1.50"})
 
+    def test_what_lies_at_the_truths_own_noise_has_no_slope_and_no_rank(self):
+        """0.1 squared is the truth's relMSE: the last two of mis are its noise, and all of path_cosine."""
+        def noisy(method, n, rel_mse):
+            return row(method, {"samples": n}, rel_mse) | {"error_floor": 0.1}
+
+        rows = [noisy(MIS, n, e) for n, e in ((1, 1.6), (4, 0.4), (16, 0.02), (64, 0.012))]
+        rows += [noisy(PATH, n, e) for n, e in ((1, 0.02), (4, 0.02), (16, 0.02), (64, 0.3))]
+        cards, _ = cards_of(*rows)
+        values = values_of(cards["Convergence"].figures[0].chart)
+        self.assertEqual({v["text"] for v in values if "text" in v}, {"mis −1.00", "path_cosine"})
+        self.assertEqual({v["y"] for v in values if "low" in v}, {0.1**2})
+        self.assertEqual([v["series"] for v in values_of(cards["Efficiency"].figures[0].chart)], ["path_cosine"])
+        self.assertIn("some of cornell_box", cards["Efficiency"].caption)
+        silent, _ = cards_of(*(r | {"error_floor": None} for r in rows))
+        self.assertFalse(any("low" in v for v in values_of(silent["Convergence"].figures[0].chart)))
+        self.assertNotIn("cornell_box", silent["Efficiency"].caption)
+
+    def test_every_card_can_be_drawn(self):
+        rows = [row(m, {"samples": n}, 1 / n, bias_error=0.01, largest_share=0.01 / n, kurtosis=3.0 + n, **more)
+                for m, more in ((MIS, {}), (EMBREE, {}), (CORRECTED, {})) for n in (16, 64)]  # fmt: skip
+        rows += [row(LITERAL, {"samples": 64, "slip": "emitters"}, bias=-0.2, bias_error=0.01)]
+        rows += [row(MIS, {"samples": 64, "bounces": b}, bias=-1 / b, bias_error=0.01) for b in (1, 2)]
+        rows += [row(WHITTED, {"samples": 4, "bounces": 2}, bounce_1=1.5, bounce_2=2.0)]
+        cards, _ = cards_of(*rows)
+        self.assertEqual(len(cards), 7)
+        for card in cards.values():
+            for figure in card.figures:
+                svg = vl_convert.vegalite_to_svg(charts.theme(figure.chart).to_json())
+                self.assertIn("mark-symbol", svg, figure.name)
+
     def test_efficiency_is_over_error_and_time(self):
         cards, _ = cards_of(row(MIS, {"samples": 64}, 0.01, 1000.0), row(PATH, {"samples": 64}, 0.04, 500.0))
         labels = {v["series"]: v["label"] for v in values_of(cards["Efficiency"].figures[0].chart)}
@@ -65,7 +96,7 @@ class Cards(unittest.TestCase):
         cards, task = cards_of(row(MIS, {"samples": 64}, ns=32_000.0), row(EMBREE, {"samples": 64}, ns=64_000.0))
         ours, theirs = transport.speeds(task.soft)["cornell_box"]
         self.assertAlmostEqual(transport.paths_a_second(ours), 2e6)
-        self.assertIn("2×", {v.get("label") for v in values_of(cards["Paths a second"].figures[0].chart)})
+        self.assertIn("mis 2×", {v.get("label") for v in values_of(cards["Paths a second"].figures[0].chart)})
 
     def test_depth_stands_beside_radiosity(self):
         rows = [row(MIS, {"samples": 64, "bounces": b}, query_set="walls", dataset="closed_box", floor_bias=-1 / b, floor_exact=-1.01 / b)
@@ -87,7 +118,7 @@ class Cards(unittest.TestCase):
     def test_ratios_stand_where_no_mark_follows(self):
         slow, quick = row(MIS, {"samples": 64}, ns=64_000.0), row(EMBREE, {"samples": 64}, ns=32_000.0)
         values = values_of(cards_of(slow, quick)[0]["Paths a second"].figures[0].chart)
-        self.assertEqual({v["method"]: v["label"] for v in values}, {"mis": "", "mis_embree": "0.5×"})
+        self.assertEqual({v["method"]: v["label"] for v in values}, {"mis": "", "mis_embree": "mis 0.5×"})
 
     def test_labels_keep_their_distance_and_their_order(self):
         values = [5.0, 1.0, 1.01, 1e-3]
