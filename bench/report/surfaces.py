@@ -13,11 +13,12 @@ alt = charts.alt
 
 FALL = """Root mean square error against samples, both logarithmic, by the points that are sampled with; own: the samplers of our
 BRDFs. Numbers at the lines' ends are their slopes, by least squares: independent points give −½, all others should do better where
-what is integrated is smooth. The small light has an edge, and there they are worth less."""
+what is integrated is smooth. The small light has an edge, and there they are worth less. Where each sample has the integral's own
+value, as under an even sky on a surface whose sampler is its very BRDF, there is no error but rounding's, and no line."""
 EFFICIENCY = """What a second of one thread buys: one over the mean square error times the seconds of an integral, with 1024 samples.
 Ten times farther right is ten times cheaper at the same noise. Filled marks: scrambled Sobol points; hollow: independent ones. It
 compares ways of sampling that are without bias; the less light they throw away, and the nearer their density is to what they
-sample, the farther right they are."""
+sample, the farther right they are. What has no error but rounding's has no place here."""
 FURNACE = """How much light a rough metal reflects of all that comes from all around. White: facets reflect all, so nothing may be lost:
 what a line lacks to 1 is lost, or made. Colours: facets that reflect a half at normal incidence; the truth is light that walks
 between the facets until it leaves."""
@@ -51,6 +52,14 @@ def _legend(values, field, colors):
 # ---- errors by samples -------------------------------------------------------------------------------------------
 
 
+ROUNDING = 1e-12  # of an error: what sums in double leave where every sample has the integral's own value
+
+
+def sampled(row):
+    """Has an error that is due to chance."""
+    return bool(row.error) and row.error > max(ROUNDING, row.error_floor or 0)
+
+
 def samples(row):
     return (row.query_knobs or {}).get("samples")
 
@@ -67,7 +76,7 @@ def falls(rows, method):
     """{points: [(samples, error)]} of one dataset and query set."""
     found = {}
     for r in rows:
-        if r.method == method and samples(r) and r.error:
+        if r.method == method and samples(r) and sampled(r):
             found.setdefault(r.query_knobs["points"], []).append((samples(r), r.error))
     return {kind: sorted(found[kind]) for kind in KINDS if kind in found}
 
@@ -108,7 +117,7 @@ def _fall_chart(values, ends, width):
 
 def efficiency(row):
     """One over variance times seconds."""
-    return 1 / (row.error**2 * row.query_ns * 1e-9) if row.error and row.query_ns else None
+    return 1 / (row.error**2 * row.query_ns * 1e-9) if sampled(row) and row.query_ns else None
 
 
 def _efficiency(task, numbers, width):

@@ -56,6 +56,13 @@ class Cards(unittest.TestCase):
         self.assertIn("−0.50", text)
         self.assertIn("−1.00", text)
 
+    def test_what_is_exact_but_for_rounding_neither_falls_nor_ranks(self):
+        exact = [samples("random", n, e) for n, e in ((16, 3e-16), (1024, 4e-16))]
+        cards = cards_of(*exact)
+        self.assertEqual([title for title in ("Errors fall", "What a second buys") if title in cards], [])
+        (figure,) = cards_of(*exact, samples("r2", 16, 0.1), samples("r2", 64, 0.025))["Errors fall"].figures
+        self.assertEqual({v.get("points") for v in figure.chart.to_dict()["layer"][2]["data"]["values"]}, {"r2"})
+
     def test_a_second_buys_one_over_variance_and_time(self):
         cards = cards_of(row(OWN, "ggx_0.5", "albedo", 0.01, query={"points": "random", "samples": 1024}, ns=1e5))
         (figure,) = cards["What a second buys"].figures
