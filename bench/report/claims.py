@@ -75,6 +75,7 @@ class Verdict:
     figure: str = "time over the fastest rival's"  # what the figures are
     unit: str = "comparisons"  # what they are counted in
     table: tuple = ()  # (heads, lines) behind a verdict that rests on no contest
+    tasks: frozenset = frozenset()  # whose rows can decide
 
 
 def ledger(rows):
@@ -83,7 +84,11 @@ def ledger(rows):
 
     kinds = {"contest": judge, **measures.KINDS, **textures.KINDS, **shadow_claims.KINDS, **light_claims.KINDS,
              **transport_claims.KINDS}  # fmt: skip
-    return [kinds[claim.get("kind", "contest")](claim, rows) for claim in json.loads(LIST.read_text())]
+    verdicts = []
+    for claim in json.loads(LIST.read_text()):
+        verdicts.append(kinds[claim.get("kind", "contest")](claim, rows))
+        verdicts[-1].tasks = frozenset((claim["task"], *claim.get("also", ())))
+    return verdicts
 
 
 def judge(claim, rows):

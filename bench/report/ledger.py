@@ -18,7 +18,13 @@ some size: it holds only if; none does: it does not hold."""
 
 def section(rows):
     """The whole ledger."""
-    body = "".join(_claim(v) for v in claims.ledger(list(rows)))
+    verdicts = claims.ledger(list(rows))
+    shown = [v for v in verdicts if v.tasks & {r.task for r in rows}]
+    body, others = "".join(map(_claim, shown)), len(verdicts) - len(shown)
+    if others:
+        tasks = sorted(set().union(*(v.tasks for v in verdicts if v not in shown)))
+        are = "1 more is" if others == 1 else f"{others} more are"
+        body += f'<p class="note">{are} {claims.NOT_RUN}: there are no rows of {esc(", ".join(tasks))} here.</p>'
     return f'<section id="claims"><h2>Claims ledger</h2><p class="note">{esc(NOTE)}</p>{body}</section>'
 
 

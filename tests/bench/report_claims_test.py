@@ -1,6 +1,7 @@
 """The claims ledger and the figures of rays, on rows made by hand."""
 
 import json
+import re
 import sys
 import unittest
 from pathlib import Path
@@ -124,6 +125,19 @@ class Claims(unittest.TestCase):
         text = ledger.section(read(*self.trees(100, 200)))
         for words in ("S1", claims.HOLDS, "uniform_ball", "0.5", "rows.jsonl:1", claims.NOT_RUN):
             self.assertIn(words, text)
+
+    def test_only_claims_of_tasks_with_rows_are_listed(self):
+        def listed(*entries):
+            text = ledger.section(read(*entries))
+            return re.findall('id="claim-([^"]+)"', text), text
+
+        every = [c["id"] for c in json.loads(claims.LIST.read_text())]
+        ids, text = listed(*self.trees(100, 200))
+        self.assertEqual(ids, ["S1", "S2"])
+        self.assertIn(f"{len(every) - 2} more are {claims.NOT_RUN}", text)
+        self.assertIn("shadow", text.rpartition("more are")[2])
+        self.assertEqual(listed(*(r | {"task": "inside"} for r in self.trees(100, 200)))[0], ["S3", "S4", "S5"])  # their other task
+        self.assertEqual(listed(*(r | {"task": "elsewhere"} for r in self.trees(100, 200)))[0], [])
 
 
 def ray(method, ns=100.0, dataset="icosphere", n=1000, query_set="camera", hard=False, build=None, **values):
