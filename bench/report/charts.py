@@ -16,11 +16,13 @@ DURATION = (
     "datum.value >= 1e3 ? format(datum.value / 1e3, '~g') + ' µs' : format(datum.value, '~g') + ' ns'"
 )
 
+WHOLE = "format(datum.value, datum.value < 1 ? '~g' : '~s')"  # of what has no thousandths by name, as bytes
+
 # Logarithmic ticks come at every digit and between. Labels stand at round ones, as many as the pixels of a decade have room
 # for: at every third power of ten, every second, at all of them, at 1, 2 and 5, and so on; where an axis spans so little
 # that none may be round, at few ticks that are all labelled. (Vega's ways to drop labels that overlap or reach over the
 # edge count empty ones, too, and drop every other.)
-DIGITS = ((110, "['1.00']"), (300, "['1.00', '2.00', '5.00']"), (480, "['1.00', '2.00', '3.00', '5.00', '7.00']"),
+DIGITS = ((110, "['1.00']"), (150, "['1.00', '3.00']"), (300, "['1.00', '2.00', '5.00']"), (480, "['1.00', '2.00', '3.00', '5.00', '7.00']"),
           (None, "['1.00', '1.50', '2.00', '3.00', '4.00', '5.00', '7.00']"))  # fmt: skip
 NARROW = 1000  # pixels of a decade
 
@@ -50,6 +52,7 @@ def _log_axis(axis, labels, title):
 DIM = 0.5
 UNPROMISED = "approximate; exact on this sample"
 LEAST = 0.1  # bytes per element, and ns of building: zero has no place on a logarithmic axis
+ZONES = {"failed": "#D55E00", "exact": "#009E73"}
 INK, FAINT, PAPER = "currentColor", "#8884", "var(--card)"
 
 
@@ -138,14 +141,16 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
     timed = base.transform_filter("isValid(datum.x)")
     color, _ = _scales(looks)
     layers = []
-    if zones:
-        layers.append(alt.Chart(alt.Data(values=zones)).mark_rect(opacity=0.10).encode(
-            y=alt.Y("from:Q", scale=scale, axis=axis), y2="to:Q",
-            color=alt.Color("zone:N", legend=None,
-                            scale=alt.Scale(domain=["failed", "exact"], range=["#D55E00", "#009E73"]))))  # fmt: skip
-        names = alt.Data(values=[{"y": (top + end) / 2, "zone": name} for name, top, end in layout.zones()])
-        layers.append(alt.Chart(names).mark_text(align="left", x=alt.expr("width + 5"), fontSize=10, fontStyle="italic",
-                                                 fill=INK).encode(y=y, text="zone:N"))  # fmt: skip
+    for zone in zones:
+        ground = alt.Chart(alt.Data(values=[zone | {"y": (zone["from"] + zone["to"]) / 2}]))
+        if zone["zone"] == "failed":  # nothing failed where no mark stands on a rail, and then it must not look so
+            ground = base.transform_filter(f"isValid(datum.y) && datum.y < {zone['to']}").transform_aggregate(
+                n="count()").transform_filter("datum.n > 0").transform_calculate(
+                **{"from": f"{zone['from']}", "to": f"{zone['to']}", "y": f"{(zone['from'] + zone['to']) / 2}", "zone": "'failed'"})
+        layers.append(ground.mark_rect(opacity=0.10, color=ZONES[zone["zone"]]).encode(
+            y=alt.Y("from:Q", scale=scale, axis=axis), y2="to:Q"))  # fmt: skip
+        layers.append(ground.mark_text(align="left", x=alt.expr("width + 5"), fontSize=10, fontStyle="italic",
+                                       fill=INK).encode(y=y, text="zone:N"))  # fmt: skip
     layers += [
         timed.transform_filter("datum.front").mark_line(color=INK, strokeWidth=1.2, opacity=0.55,
                                                         interpolate="step-after")
@@ -186,7 +191,7 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
 def lanes_chart(data, field, title, methods, looks, legend=False, width="container"):
     """One figure of a build, a lane for each method."""
     scale = alt.Scale(type="log", nice=False, padding=10)
-    labels = DURATION if field == "build" else f"datum.value <= {LEAST} ? '≤ {LEAST}' : format(datum.value, '~s')"
+    labels = DURATION if field == "build" else f"datum.value <= {LEAST} ? '≤ {LEAST}' : {WHOLE}"
     axis = _log_axis("x", labels, title)
     base = alt.Chart(data).transform_filter(f"isValid(datum.{field})")
     y = alt.Y("method:N", sort=list(methods), scale=alt.Scale(domain=list(methods)),

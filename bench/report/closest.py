@@ -78,8 +78,8 @@ def _ladder_chart(values, field, width):
         axis = alt.Axis(title="error over the diagonal, log", format=".0e", gridOpacity=0.5)
         scale = alt.Scale(type="log", nice=False, padding=10)
     else:
-        axis = alt.Axis(title="times the whole mesh's time per query", gridOpacity=0.5)
-        scale = alt.Scale(zero=True, nice=True)
+        axis = charts._log_axis("y", "format(datum.value, '~g')", "times the whole mesh's time per query, log")
+        scale = alt.Scale(type="log", nice=False, padding=10)
     y = alt.Y(f"{field}:Q", scale=scale, axis=axis)
     base = alt.Chart(alt.Data(values=values)).transform_filter(f"isValid(datum.{field})").encode(x=x)
     layers = [base.mark_line(strokeWidth=1.4, opacity=0.8).encode(y=y, color=color)]

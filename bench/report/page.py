@@ -6,8 +6,7 @@ from pathlib import Path
 import vl_convert
 from jinja2 import Environment
 
-from bench.report import (busy, charts, closest, inside, ledger, model, pieces, rays, series, shadows, surfaces, theory, transport,
-                          winners)  # fmt: skip
+from bench.report import busy, charts, closest, inside, ledger, model, pieces, rays, series, shadows, surfaces, theory, transport
 from bench.report.pieces import esc
 from bench.report.units import count
 
@@ -73,7 +72,7 @@ def _safe(script):
 def _nav(task, pictures, cards):
     name = task.name
     links = [f'<a class="task" href="#{name}">{esc(task.text.title)}</a>']
-    if winners.winners(task.soft):
+    if any(pieces.winners_table(task, r) for r in task.runs):
         links.append(f'<a href="#{name}-winners">Winners</a>')
     links += [f'<a href="#{card.name}">{esc(card.title)}</a>' for card in cards]
     if task.datasets:

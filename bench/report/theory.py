@@ -64,7 +64,7 @@ def _chart(values, width):
         ticks = {"format": ".0e", "tickCount": 5}
         least *= 0.7
     else:
-        scale, ticks, least = alt.Scale(domain=[0, most], nice=True), {}, 0
+        scale, ticks, least = alt.Scale(domain=[0, most], nice=True), {"tickCount": 5, "labelSeparation": 6}, 0
     base = alt.Chart(alt.Data(values=values))
     x = alt.X("should:Q", scale=scale, axis=alt.Axis(title="what theory says", gridOpacity=0.5, **ticks))
     y = alt.Y("is:Q", scale=scale, axis=alt.Axis(title="measured", gridOpacity=0.5, **ticks))

@@ -20,7 +20,7 @@ import report_fixture as fixture
 import vl_convert
 from bench.report import advice, charts, layout, page, report, rows, series, static
 from bench.report.model import numbers, task_models
-from report_made import METHOD, PEER, made, read
+from report_made import LOOSE, METHOD, PEER, made, read
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-component-update",
@@ -113,6 +113,13 @@ class Report(unittest.TestCase):
             self.assertEqual(links - places, set())
             self.assertGreaterEqual(len(links), least)
 
+    def test_no_winners_no_link_to_them(self):
+        """Of ours alone there are figures, but nobody to win against."""
+        text = page.build(read(*(made(METHOD, ns, query_set=s) for ns, s in ((50, "near"), (90, "far")))), [])
+        self.assertNotIn("-winners", text.partition("<header>")[0])
+        links, places = set(re.findall('href="#([^"]+)"', text)), set(re.findall(' id="([^"]+)"', text))
+        self.assertEqual(links - places, set())
+
     def test_lines_have_a_legend_and_lanes_name_themselves(self):
         life = [made(m, ns, query_set=s) | {"task": "knn_dynamic", "knn_dynamic_batch": b}
                 for m, ns in ((METHOD, 50), (PEER, 90)) for s, b in (("single", 1), ("batches16", 100))]  # fmt: skip
@@ -128,14 +135,36 @@ class Report(unittest.TestCase):
         for low, high in ((13, 94), (100, 104), (1, 12), (9, 400), (1, 1e9), (5, 5)):
             values = [{"i": i, "method": m, "bytes": v, "own": v} for i, (m, v) in enumerate(zip(task.looks, (low, high)))]
             chart = charts.lanes_chart(charts.alt.Data(values=values), "bytes", "bytes", list(task.looks), task.looks, False, 240)
-            svg = vl_convert.vegalite_to_svg(charts.theme(chart).to_json())
-            axis = re.search(r'role-axis-label.*?</g>', svg[svg.index("X-axis titled"):], re.DOTALL).group()
-            told = [(float(x), text) for x, text in re.findall(r'translate\(([-\d.]+),[^>]*opacity="1"[^>]*>([^<]+)<', axis)]
+            told = self.labels(chart)
             self.assertTrue(2 <= len(told) <= 10 or low == high, (low, high, told))
             self.assertEqual(len({text for _, text in told}), len(told), told)
             places = sorted(told)
             for (a, left), (b, right) in zip(places, places[1:]):
                 self.assertGreater(b - a, 2.9 * (len(left) + len(right)), (low, high, places))  # half of each at 10 px
+
+    def test_labels_of_durations_do_not_run_into_each_other(self):
+        """Six letters, as 500 µs, are up to 40 pixels wide."""
+        task = next(t for t in task_models(rows.read(self.files)) if t.name == "knn")
+        for decades in (1.4, 1.6, 1.8, 2, 2.2, 2.4):
+            ends = (9.5e4, 9.5e4 * 10**decades)
+            values = [{"i": i, "method": m, "build": v} for i, (m, v) in enumerate(zip(task.looks, ends))]
+            chart = charts.lanes_chart(charts.alt.Data(values=values), "build", "time", list(task.looks), task.looks, False, 240)
+            places = sorted(self.labels(chart))
+            self.assertGreater(min(b - a for (a, _), (b, _) in zip(places, places[1:])), 40, places)
+
+    def test_bytes_have_no_thousandths(self):
+        task = next(t for t in task_models(rows.read(self.files)) if t.name == "knn")
+        values = [{"i": i, "method": m, "bytes": v, "own": v} for i, (m, v) in enumerate(zip(task.looks, (0.15, 2500)))]
+        chart = charts.lanes_chart(charts.alt.Data(values=values), "bytes", "bytes", list(task.looks), task.looks, False, 900)
+        texts = {text for _, text in self.labels(chart)}
+        self.assertTrue({"0.5", "1", "1k"} <= texts and not any(text.endswith("m") for text in texts), texts)
+
+    @staticmethod
+    def labels(chart):
+        """[(pixel, text)] of the axis along x."""
+        svg = vl_convert.vegalite_to_svg(charts.theme(chart).to_json())
+        axis = re.search(r'role-axis-label.*?</g>', svg[svg.index("X-axis titled"):], re.DOTALL).group()
+        return [(float(x), text) for x, text in re.findall(r'translate\(([-\d.]+),[^>]*opacity="1"[^>]*>([^<]+)<', axis)]
 
     def test_every_chart_is_drawn_with_every_mark(self):
         tasks = len(fixture.TASKS)
@@ -228,6 +257,55 @@ class Report(unittest.TestCase):
             for file in files:
                 start = file.read_bytes()[:5]
                 self.assertTrue(start.startswith(b"<svg" if file.suffix == ".svg" else b"\x89PNG"), file.name)
+
+
+PROBE = """(async () => {
+  const root = document.documentElement, pause = () => new Promise((next) => setTimeout(next, 30));
+  while (root.dataset.ready !== "yes") await pause();
+  const seen = { start: document.querySelector(".slide input").value, take: document.querySelector(".take").textContent, sets: {} };
+  const select = document.getElementById("knn-set");
+  for (const set of ["near", "far"]) {
+    select.value = set;
+    select.dispatchEvent(new Event("change", { bubbles: true }));
+    await pause();
+    seen.sets[set] = [...document.querySelectorAll(".card")].map((card) => ({
+      size: card.querySelector(".size").textContent, grounds: card.querySelectorAll(".frontier .mark-rect path").length,
+      marks: card.querySelectorAll(".frontier .mark-symbol path").length }));
+  }
+  const out = document.createElement("pre");
+  out.id = "probe";
+  out.textContent = JSON.stringify(seen);
+  document.body.append(out);
+})();"""
+
+
+class Odd(unittest.TestCase):
+    """A page where datasets are asked different things, one method fails at one of them, and nothing is very accurate."""
+
+    @classmethod
+    def setUpClass(cls):
+        loose = lambda dataset, query_set, **more: made(LOOSE, error=0.01, dataset=dataset, query_set=query_set, **more)
+        broken = made(PEER, error=0.5, dataset="cube", query_set="far", status="wrong")
+        text = page.build(read(loose("cube", "near"), loose("cube", "far", ns=200.0), broken, loose("ball", "far")), [])
+        before, end, after = text.rpartition("</body>")
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "odd.html"
+            path.write_text(f"{before}<script>{PROBE}</script>{end}{after}")
+            cls.page = browse(path)
+        cls.seen = json.loads(cls.page.probe)
+
+    def test_a_dataset_shows_a_set_that_it_was_asked(self):
+        (_, asked), (_, other) = self.seen["sets"]["far"], self.seen["sets"]["near"]
+        self.assertEqual((asked["size"], asked["marks"]), ("1,000 points", 1))
+        self.assertEqual((other["size"], other["marks"]), ("1,000 points; far, as near is not asked here", 1))
+
+    def test_the_rail_of_failures_is_red_only_under_marks(self):
+        self.assertEqual([self.seen["sets"][s][0]["grounds"] for s in ("near", "far")], [0, 1])
+        self.assertEqual([self.seen["sets"][s][0]["marks"] for s in ("near", "far")], [1, 2])
+
+    def test_advice_starts_where_something_holds(self):
+        self.assertEqual(self.seen["start"], "101")  # 0.01
+        self.assertTrue(self.seen["take"].startswith("Take forest"), self.seen["take"])
 
 
 if __name__ == "__main__":

@@ -65,6 +65,23 @@ function askedSets(rows) {
   return shared.length ? shared : sets;
 }
 
+/// The rungs of what the reader chose, and the sets that they were asked.
+function ladderOf(box) {
+  const get = (name) => box.querySelector(`[name="${name}"]`).value;
+  const list = chosen(box.dataset.task, get("dataset"), choice(box.dataset.task), false, true);
+  const sets = get("set") === "*" ? askedSets(list) : [get("set")];
+  return { ladder: rungs(list, sets), sets };
+}
+
+/// Puts the slider where something holds, if nothing does where it stands: the least such tolerance.
+function startAdvice(box) {
+  const slider = box.querySelector('[name="tolerance"]'), { ladder } = ladderOf(box);
+  const holds = (position) => ladder.some((r) => limitOf(r, toleranceAt(position)) === null);
+  let position = Number(slider.value);
+  while (position < Number(slider.max) && !holds(position)) ++position;
+  if (holds(position)) slider.value = position;
+}
+
 function updateAdvice(box) {
   const task = box.dataset.task;
   const get = (name) => box.querySelector(`[name="${name}"]`);
@@ -72,10 +89,7 @@ function updateAdvice(box) {
   const words = tolerance === 0 ? "exact" : figure(tolerance);
   get("tolerance").setAttribute("aria-valuetext", words);
   box.querySelector(".value").textContent = words;
-  const c = choice(task);
-  const list = chosen(task, get("dataset").value, c, false, true);
-  const sets = get("set").value === "*" ? askedSets(list) : [get("set").value];
-  const ladder = rungs(list, sets);
+  const { ladder, sets } = ladderOf(box);
   const at = ladder.findIndex((r) => limitOf(r, tolerance) === null);
   const out = box.querySelector(".answer");
   if (at < 0) {

@@ -49,7 +49,7 @@ function label(chart, list) {
   if (chart.kind === "fixed") return `${chart.task}, ${chart.title}`;
   const c = choice(chart.task);
   const words = { frontier: "error against time per query", build: "build time", bytes: "bytes", scaling: "time per query against size" };
-  return `${words[chart.kind]}, ${chart.dataset}${c.set ? ", " + c.set : ""}: ${list.length} points; the figures are in the table below the charts`;
+  return `${words[chart.kind]}, ${chart.dataset}${c.set ? ", " + shownSet(chart.task, chart.dataset, c) : ""}: ${list.length} points; the figures are in the table below the charts`;
 }
 
 function refresh(chart) {
@@ -117,10 +117,11 @@ function refreshTask(task) {
 /// Heading, what was not measured, and the table of figures.
 function updateCard(card) {
   const { task, dataset } = card.dataset;
-  const list = chosen(task, dataset, choice(task));
+  const c = choice(task), list = chosen(task, dataset, c), set = shownSet(task, dataset, c);
   const element = model.tasks[task].element;
+  const other = set === c.set ? "" : `; ${set}, as ${c.set} is not asked here`;
   card.querySelector(".size").textContent = list.length
-    ? several(list[0].n, element) : "not measured at this size";
+    ? several(list[0].n, element) + other : "not measured at this size";
   const absent = list.filter((r) => r.status === "unsupported" || r.status === "not_built");
   const texts = firstOf(absent, (r) => r.method).map((r) => `${r.method} (${r.status.replace("_", " ")}${r.reason ? ": " + r.reason : ""})`);
   card.querySelector(".absent").textContent = texts.length ? "Not measured here: " + texts.join("; ") + "." : "";

@@ -36,11 +36,18 @@ function choice(task) {
   };
 }
 
+/// The query set that a dataset shows under a choice: the chosen one, or, where it was asked no such set, its first.
+function shownSet(task, dataset, c) {
+  const sets = rowsOf(task, dataset).map((r) => r.set);
+  return sets.includes(c.set) ? c.set : sets.find((s) => s !== "") ?? c.set;
+}
+
 /// Rows of a dataset under a choice; `sizes` keeps every size.
 function chosen(task, dataset, c, sizes = false, sets = false) {
   const mine = rowsOf(task, dataset).filter((r) => r.run === c.run && (r.threads === c.threads || r.threads === null));
   const size = c.size === null ? Math.max(...mine.map((r) => r.size)) : c.size;
-  return mine.filter((r) => (sizes || r.size === size) && (sets || r.set === c.set || r.set === ""));
+  const set = shownSet(task, dataset, c);
+  return mine.filter((r) => (sizes || r.size === size) && (sets || r.set === set || r.set === ""));
 }
 
 function point(r) {

@@ -14,6 +14,7 @@ for (const card of all(".card")) {
 }
 for (const box of all(".advice")) {
   box.addEventListener("input", () => updateAdvice(box));
+  startAdvice(box);
   updateAdvice(box);
 }
 
