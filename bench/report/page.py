@@ -149,12 +149,19 @@ peers hollow; colour and shape both tell the method.</li>
 
 
 def _meaning(text):
-    """What the query sets ask and what the error is."""
+    """What the query sets ask, what the error is, and what names of methods leave open."""
     if not text.meaning:
         return ""
-    items = "".join(f"<dt><code>{esc(name)}</code></dt><dd>{esc(asked)}</dd>" for name, asked in text.query_sets)
-    return (f"<details><summary>What is asked, and what the error means</summary><dl>{items}</dl>"
-            f"<p>{esc(text.meaning)} Charted is the mean over queries.</p></details>")  # fmt: skip
+    parts = [f"<details><summary>What is asked, and what the error means</summary>{_listed(text.query_sets)}"
+             f"<p>{esc(text.meaning)} Charted is the mean over queries.</p></details>"]  # fmt: skip
+    if text.methods:
+        parts.append(f"<details><summary>What the methods do</summary>{_listed(text.methods)}</details>")
+    return "".join(parts)
+
+
+def _listed(pairs):
+    """(name, what it means)"""
+    return "<dl>" + "".join(f"<dt><code>{esc(name)}</code></dt><dd>{esc(what)}</dd>" for name, what in pairs) + "</dl>"
 
 
 def _busy(rows):

@@ -13,6 +13,7 @@ class TaskText:
     meaning: str = ""  # of that metric
     query_sets: tuple = ()  # (name, what is asked)
     hard: str = ""  # why some methods have no hard cases
+    methods: tuple = ()  # (names, what they do), where a name does not say it
 
 
 TASKS = {
@@ -32,7 +33,14 @@ TASKS = {
          ("white_…, colour_…", "how much rough metal reflects with all bounces: its roughness, and what facets reflect head-on"),
          ("index_…, leaving_…, names of metals", "how much a smooth boundary reflects, from 0 to 90 degrees"),
          ("sphere_…, disc_…, triangle_…, rectangle_…, box_…", "how large shapes are seen, by distance in radii"),
-         ("hemisphere, all_around", "a disc that touches the viewer, and a box around"))),
+         ("hemisphere, all_around", "a disc that touches the viewer, and a box around")),
+        methods=(
+         ("facets", "sampled are the facets' normals, by their distribution alone"),
+         ("visible_2018, visible_caps", "normals of those facets that the viewer sees, on a disc that is warped (Heitz 2018) or by "
+          "caps of a sphere (Dupuy and Benyoub 2023)"),
+         ("own", "the sampler that the surface's material brings"),
+         ("light, mis", "directions to the light, and both ways weighted by the power heuristic"),
+         ("quadrature, quadrature_facets, unmasked", "integrals over directions, over facets, and over facets without shadowing and masking"))),
     "distance_field": TaskText(
         "Distance fields of meshes",
         "How far is it to the surface, on which side, and what does a ray meet, if only samples of the distance are kept?",
@@ -56,7 +64,11 @@ TASKS = {
          ("far", "two to four diagonals away"),
          ("centre", "in the middle of the box"),
          ("on_vertex", "two coordinates are those of a vertex, so that rays along an axis meet it"),
-         ("near_threads, uniform_threads", "the same as those without _threads, more queries, for thread scaling"))),
+         ("near_threads, uniform_threads", "the same as those without _threads, more queries, for thread scaling")),
+        methods=(
+         ("bvh_pseudonormal, wide_pseudonormal", "the side of the closest point, by angle-weighted normals of faces, edges and corners, "
+          "over a hierarchy of two children or of many; wide_face_normal: by the plane of the face found alone"),
+         ("…_first_hit, …_parity", "by the side of the first face that a ray meets, or by how many it meets"))),
     "knn": TaskText(
         "Neighbours in point clouds",
         "Which points lie nearest to a query, within a radius of it, or inside a box?",
@@ -125,7 +137,14 @@ TASKS = {
         "halves. Times are of a pixel with all its samples; the tree is made in the build.",
         (("image", "all that the camera sees"),
          ("walls", "the mean radiance of each wall of the closed box, which is known without a ray"),
-         ("image_threads", "the same as image, more pixels, for thread scaling"))),
+         ("image_threads", "the same as image, more pixels, for thread scaling")),
+        methods=(
+         ("path_uniform, path_cosine, path_bsdf", "paths that go on evenly over the hemisphere, by the cosine, or by the surface's own "
+          "sampler, and find lamps by chance"),
+         ("next_event_uniform, next_event_cosine, next_event_bsdf", "the same, with a ray to a lamp from every point"),
+         ("mis, mis_embree", "both, weighted by the power heuristic; over our tree and over Embree's"),
+         ("whitted", "rays that multiply at mirrors and glass, and end on all else"),
+         ("textbook_literal, textbook_corrected", "a path tracer as textbooks print it, slip by slip, and put right"))),
     "region_average": TaskText(
         "Means of regions of textures",
         "What is the mean of a region of a texture?",
@@ -140,7 +159,12 @@ TASKS = {
          ("disc", "of radius 12"),
          ("gaussian", "of deviation 6, cut off at three deviations"),
          ("build", "the structure is made anew, in its own memory; a query is a texel; that of nearest is a plain copy"),
-         ("square24_threads, build_threads", "the same as those without _threads, for thread scaling"))),
+         ("square24_threads, build_threads", "the same as those without _threads, for thread scaling")),
+        methods=(
+         ("mip_square, mip_probes, mip_anisotropic", "one look-up between two levels of a pyramid, a grid of them, or a row along the region"),
+         ("sat_float, sat_double, sat_uint32, sat_int64", "tables of sums, by the number that they are kept in"),
+         ("sat_centred", "sums in float of the values less about their mean, so that they stay small"),
+         ("brute", "all texels of the region"))),
     "closest_point": TaskText(
         "Closest points of triangle meshes",
         "Which point of a mesh lies nearest to a query, and on which triangle?",
@@ -167,7 +191,17 @@ TASKS = {
          ("edge", "a line across a penumbra"),
          ("contact", "from the foot of a wall into its shadow"),
          ("leak", "below two or three blockers, where none is lit"),
-         ("motion", "how the answer changes while the light moves by tenths of a texel, beside how it should"))),
+         ("motion", "how the answer changes while the light moves by tenths of a texel, beside how it should")),
+        methods=(
+         ("midpoint, dual_depth, second_depth", "maps of depths halfway to the second surface, the same but little behind the first, "
+          "and of the second surface itself"),
+         ("pcf, pcf_disc, pcss", "a share of taps that pass, in a box, in a disc, and in one as wide as the blockers' distance says"),
+         ("vsm, evsm2, evsm4", "two moments of depth (variance shadow maps); of depth warped by one exponential, and by two"),
+         ("esm", "exponential shadow maps: exp(c z), filtered"),
+         ("msm, msm16", "four moments of depth (moment shadow maps), in float and in 16 bits"),
+         ("vssm", "pcss with the variance of a box for its taps"),
+         ("redrawn_map, embree_redrawn_map", "a map drawn anew for every image, by our rasteriser and by Embree's rays"),
+         ("shadow_volumes, shadow_volumes_z_pass", "crossings of the borders of shadows, counted from infinity or from the eye"))),
 }  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
 import report_fixture as fixture
-from bench.report import (advice, approximate, busy, frontier, layout, model, palette, pictures, pieces, rows, series,
+from bench.report import (advice, approximate, busy, frontier, layout, model, palette, pictures, pieces, rows, series, tasks,
                           stability, units, winners)  # fmt: skip
 from report_made import LOOSE, METHOD, PEER, made, read, read_text
 
@@ -454,6 +454,14 @@ class Small(unittest.TestCase):
         entries += [made((n, "octree", "peer", "exact")) | {"task": "ray"} for n in reversed(names)]
         knn, ray = model.task_models(read(*entries))
         self.assertEqual(knn.looks, ray.looks)
+
+    def test_methods_that_are_explained_exist(self):
+        """Each name is one that its task registers; an ending stands for all names that have it."""
+        for name, text in tasks.TASKS.items():
+            sources = "".join(p.read_text() for p in (Path(__file__).parents[2] / "bench" / name).glob("*.cpp"))
+            for method in (m for names, _ in text.methods for m in names.split(", ")):
+                known = f'{method[1:]}"' if method.startswith("…") else f'"{method}"'
+                self.assertIn(known, sources, name)
 
     def test_a_picture_that_cannot_be_shown_costs_a_warning(self):
         with tempfile.TemporaryDirectory() as folder:
