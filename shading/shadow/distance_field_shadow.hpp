@@ -14,7 +14,13 @@
 // one (a slit of a quarter of the radius to either side: 0.66 for 0.32). A surface hides itself where the
 // light is so low that sin < tan a of its height over it, or, by the field's error, near the start. The
 // inside of a sheet thinner than a cell is in no sample: distances above it never come to zero, and it hides
-// nothing.
+// nothing. An open sheet has no inside at all, and what it hides is up to the lattice: samples of a brick
+// (8³) that hang together get the side that the nearest face gives the one farthest off (field/build.hpp).
+// Between two sheets that look the same way, a floor and a roof, that may be the floor's outer side or the
+// roof's inner one. If a brick takes the roof's, distances change sign at the roof, and it hides the light;
+// if it takes the floor's, they are positive on both sides of the roof and come down to its distance from the
+// samples, up to half a cell: with that more than the cone's radius there, it hides nothing. A finer lattice
+// moves the bricks, so that the error does not fall with the cell.
 #pragma once
 
 #include <optional>

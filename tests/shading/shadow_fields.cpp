@@ -333,6 +333,40 @@ TEST(FieldShadows, ASheetThinnerThanACellHidesNothing) {
   EXPECT_EQ(thick[1], 0);
 }
 
+// A floor and a roof that both look up, which bound nothing: whether the roof hides the light is up to where
+// the lattice's bricks lie. It is centred on the box's middle, y = 1/2. Of 32 cells (1/4) there are two
+// bricks on end, which meet there: the upper one is below the roof, inside. Of 64 (1/8) there are three, and
+// the middle one's samples, from 1/16 to 15/16, are all above the floor. A slab of 2½ of the coarser cells
+// hides it from both. Away from the diagonal, where samples are nearest to an edge, and a ray decides.
+TEST(FieldShadows, AnOpenRoofHidesByWhereTheBricksLie) {
+  Scene open;
+  for (const float y : {0.f, 1.f}) {
+    const auto n = static_cast<std::uint32_t>(open.mesh.vertices.size());
+    const std::array<Vec3f, 4> corners{{{-4, y, -4}, {-4, y, 4}, {4, y, 4}, {4, y, -4}}};
+    open.mesh.vertices.insert(open.mesh.vertices.end(), corners.begin(), corners.end());
+    open.mesh.faces.insert(open.mesh.faces.end(), {{n, n + 1, n + 2}, {n, n + 2, n + 3}});
+  }
+  open.light.kind = LightKind::point, open.light.position = {-2.7, 4, 2.2};
+  Scene closed = open;
+  closed.mesh = {};
+  accel::test::add_box(closed.mesh, geometry::Box3f{{-4, -0.625f, -4}, {4, 0, 4}});
+  accel::test::add_box(closed.mesh, geometry::Box3f{{-4, 1, -4}, {4, 1.625f, 4}});
+  const auto seen = [](const Sampled& s) {
+    FieldShadowOptions o = field_shadow_options(s.field);
+    o.form = FieldShadowForm::one_sided;
+    return DistanceFieldShadow(s.field, s.scene.light, o).visibility({{-2.7, 0, 2.2}, {0, 1, 0}});
+  };
+  const Sampled coarse(open, 32), fine(open, 64);
+  EXPECT_FALSE(coarse.samples.report().closed || fine.samples.report().closed);
+  const Vec3d below_the_roof{-2.7, 0.9, 2.2};
+  EXPECT_LT(coarse.field.distance(below_the_roof), 0);
+  EXPECT_EQ(seen(coarse), 0);
+  EXPECT_NEAR(fine.field.distance(below_the_roof), 0.1, 1e-6);
+  EXPECT_NEAR(fine.field.distance({-2.7, 0.99, 2.2}), 0.5 * fine.cell(), 1e-6);  // and on to the roof
+  EXPECT_EQ(seen(fine), 1);
+  for (const int resolution : {32, 64}) EXPECT_EQ(seen(Sampled(closed, resolution)), 0) << resolution;
+}
+
 // Against rays, over a scene with penumbras: the disc's form beats the textbook's.
 TEST(FieldShadows, FormsAgainstRays) {
   Scene scene;
