@@ -7,6 +7,8 @@
 #include <cmath>
 #include <span>
 
+#include "geometry/crossing_point.hpp"
+
 namespace treeline::datasets {
 namespace {
 
@@ -35,14 +37,17 @@ std::array<Named, 12> findings_of(const MeshCheck& m) {
 }
 
 /// The crossings as a finding like the others.
-Finding crossings_of(const accel::SelfIntersections& crossings) {
+Finding crossings_of(const geometry::Mesh3f& mesh, const accel::SelfIntersections& crossings) {
   Finding r;
   r.count = crossings.count;
-  for (const auto& pair : crossings.pairs) r.first.push_back({{pair[0], pair[1]}, {}});
+  for (const auto& pair : crossings.pairs)
+    r.first.push_back(
+        {{pair[0], pair[1]}, {}, geometry::crossing_point(mesh.triangle(pair[0]), mesh.triangle(pair[1]))});
   return r;
 }
 
-std::string coordinates(const geometry::Vec3f& p) {
+template <class T>
+std::string coordinates(const geometry::Vec<T, 3>& p) {
   return fmt::format("({:.9g} {:.9g} {:.9g})", p[0], p[1], p[2]);
 }
 
@@ -55,8 +60,10 @@ std::string line_of(const geometry::Mesh3f& mesh, const Finding::Example& exampl
     r += fmt::format(" and {} more faces", example.faces.size() - most_faces);
   for (const std::uint32_t v : example.vertices)
     r += fmt::format("{}vertex {} {}", r.empty() ? "" : ", ", v, coordinates(mesh.vertices[v]));
-  if (example.vertices.empty() && !example.faces.empty())
-    r += fmt::format(" at {}", coordinates(mesh.vertices[mesh.faces[example.faces[0]][0]]));
+  if (example.at)
+    r += fmt::format(" meet at {}", coordinates(*example.at));
+  else if (example.vertices.empty() && !example.faces.empty())
+    r += fmt::format(" with a corner at {}", coordinates(mesh.vertices[mesh.faces[example.faces[0]][0]]));
   return r;
 }
 
@@ -91,7 +98,7 @@ std::string number_or_null(double x) { return std::isfinite(x) ? fmt::format("{}
 std::string json_of(const geometry::Mesh3f& mesh, const Finding& finding) {
   std::string examples;
   for (const auto& e : finding.first) {
-    std::string places;
+    std::string places = e.at ? fmt::format("[{},{},{}]", (*e.at)[0], (*e.at)[1], (*e.at)[2]) : "";
     for (const std::uint32_t v : e.vertices) {
       const auto& p = mesh.vertices[v];
       places += fmt::format("{}[{},{},{}]", places.empty() ? "" : ",", number_or_null(double(p[0])),
@@ -139,9 +146,14 @@ std::string as_text(const Dataset& dataset, const Diagnosis& d) {
   out += fmt::format("  {} {} by edges", m.components, m.components == 1 ? "component" : "components");
   if (m.closed && m.oriented) out += fmt::format(", {} of them facing inward", m.inward_components);
   out += fmt::format("; {} boundary loops\n", m.boundary_loops);
-  for (const Named& n : findings_of(m)) add_lines(out, dataset.mesh, n.text, n.finding);
+  bool listed = !d.crossings.pairs.empty();
+  for (const Named& n : findings_of(m)) {
+    add_lines(out, dataset.mesh, n.text, n.finding);
+    listed = listed || !n.finding.first.empty();
+  }
   add_lines(out, dataset.mesh, "pairs of faces that cross or overlap (copies of a face left out)",
-            crossings_of(d.crossings));
+            crossings_of(dataset.mesh, d.crossings));
+  if (listed) out += "  numbers count from 0; faces are triangles, as polygons of the file were cut\n";
   if (m.duplicate_vertices.count > 0)
     out += fmt::format(
         "  with vertices at equal positions joined: {} vertices; {}; consistently oriented: {}; {} edges "
@@ -169,7 +181,8 @@ std::string as_json(const Dataset& dataset, const Diagnosis& d) {
       m.odd_edges, m.boundary_loops, d.clean());
   for (const Named& n : findings_of(m))
     out += fmt::format(R"(,"{}":{})", n.key, json_of(dataset.mesh, n.finding));
-  out += fmt::format(R"(,"self_intersections":{})", json_of(dataset.mesh, crossings_of(d.crossings)));
+  out += fmt::format(R"(,"self_intersections":{})",
+                     json_of(dataset.mesh, crossings_of(dataset.mesh, d.crossings)));
   out +=
       fmt::format(R"(,"welded":{{"vertices":{},"closed":{},"oriented":{},"odd_edges":{},"boundary_edges":{},)"
                   R"("non_manifold_edges":{}}})",

@@ -23,9 +23,11 @@ struct Diagnosis {
 /// Keeps so many examples of each finding.
 Diagnosis diagnose(const geometry::Mesh3f& mesh, std::size_t examples, int threads);
 
-/// Several lines: counts of everything, and the first examples with their coordinates.
+/// Several lines: counts of everything, and the first examples with their coordinates. Numbers of faces and
+/// vertices count from 0, here and in the JSON; faces are the mesh's triangles.
 std::string as_text(const Dataset& dataset, const Diagnosis& diagnosis);
-/// One object, on one line. Coordinates that are not finite are null.
+/// One object, on one line. Coordinates that are not finite are null. Positions are those of the vertices; of
+/// a crossing, a point of it.
 std::string as_json(const Dataset& dataset, const Diagnosis& diagnosis);
 
 }  // namespace treeline::datasets

@@ -38,12 +38,12 @@ std::vector<double> read_knobs(std::string_view what, std::string_view name, con
       refuse(quoted(text) + " is one too many, " + recipe.name + " has " + std::to_string(knobs.size()) +
              " knobs");
     const Knob& knob = recipe.knobs[k];
+    const std::string range = " from " + shortest(knob.low) + " to " + shortest(knob.high);
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), knobs[k]);
     if (error != std::errc() || end != text.data() + text.size())
-      refuse(quoted(text) + " is no number for " + knob.name);
+      refuse(quoted(text) + " is no number for " + knob.name + ", which is a number alone" + range);
     if (!(knobs[k] >= knob.low && knobs[k] <= knob.high))
-      refuse(knob.name + " is " + std::string(text) + "; it must be from " + std::to_string(knob.low) +
-             " to " + std::to_string(knob.high));
+      refuse(knob.name + " is " + std::string(text) + "; it must be" + range);
   }
   return knobs;
 }

@@ -168,7 +168,9 @@ int main(int argc, char** argv) {
       ->check(whole_number());
   app.add_flag("--list", a.list, "list the recipes");
   app.add_flag("--force", a.force, "replace an existing file");
-  app.add_flag("--check", a.check, "say what is wrong with the mesh in a file; exit status 1 if anything is");
+  app.add_flag("--check", a.check,
+               "say what is wrong with the mesh in a file; exit status 1 if anything is. Numbers of faces "
+               "and vertices count from 0; faces are triangles, as polygons of the file were cut");
   app.add_flag("--json", a.json, "the check as JSON");
   app.add_option("--examples", a.examples, "how many of each finding the check lists")
       ->capture_default_str()

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <numeric>
+#include <optional>
 
 #include "geometry/adjacency.hpp"
 #include "geometry/disjoint_sets.hpp"
@@ -25,6 +26,7 @@ namespace treeline::geometry {
 struct Finding {
   struct Example {
     std::vector<std::uint32_t> faces, vertices;
+    std::optional<Vec3d> at = {};  ///< where, if at no vertex
   };
   std::size_t count = 0;
   std::vector<Example> first;

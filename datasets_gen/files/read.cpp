@@ -161,6 +161,18 @@ std::string rounding_note(const Coordinates& c, bool kept, bool is_mesh) {
          " an offset from all points, such as" + offset;
 }
 
+/// What the points that are not finite take with them.
+std::string left_out(const Raw& raw, const std::vector<geometry::Vec3f>& points) {
+  if (!raw.is_mesh) return "";
+  const auto faces = std::ranges::count_if(raw.faces, [&](const auto& face) {
+    return std::ranges::any_of(face, [&](std::uint32_t v) { return !geometry::is_finite(points[v]); });
+  });
+  if (faces == 0) return "; no face has a corner there";
+  return faces == 1 ? "; 1 triangle has a corner there and is left out of every answer"
+                    : "; " + std::to_string(faces) +
+                          " triangles have a corner there and are left out of every answer";
+}
+
 /// Rounds to float, and notes what got lost.
 std::vector<geometry::Vec3f> to_float(const Input& in, const Raw& raw, Coordinates& c, Dataset& to) {
   const bool measured = !c.box.empty();
@@ -176,7 +188,8 @@ std::vector<geometry::Vec3f> to_float(const Input& in, const Raw& raw, Coordinat
   if (odd > 0)
     to.notes.push_back((odd == 1 ? "1 point has" : std::to_string(odd) + " points have") +
                        " a coordinate that is not finite" +
-                       (odd == 1 ? ": number " : ", the first is number ") + std::to_string(first_odd));
+                       (odd == 1 ? ": number " : ", the first is number ") + std::to_string(first_odd) +
+                       " (counted from 0)" + left_out(raw, r));
   return r;
 }
 

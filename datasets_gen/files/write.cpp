@@ -175,7 +175,7 @@ void write(const Dataset& dataset, const std::filesystem::path& path, bool overw
     return write(mesh, path, overwrite);
   }
   if (dataset.kind == Kind::surface)
-    throw FileError(path, "", "'" + dataset.name + "' is a material; no file holds it");
+    throw FileError(path, "", "'" + dataset.name + "' is a surface, which is no geometry: no file holds it");
   std::string extension = path.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (dataset.kind == Kind::image) return write_image_file(dataset, path, extension, overwrite);

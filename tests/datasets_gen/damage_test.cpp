@@ -226,6 +226,25 @@ TEST(Diagnosis, DoesNotContradictItself) {
   }
 }
 
+// Two triangles that meet along x = 1/4 … 3/4 of a line, away from every corner.
+TEST(Diagnosis, TellsWhereFacesCross) {
+  Dataset d;
+  d.mesh = {{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0.25f, 1, -1}, {0.75f, 1, -1}, {0.5f, 1, 1}},
+            {{0, 1, 2}, {3, 4, 5}}};
+  const Diagnosis found = diagnose(d.mesh, 3, 1);
+  ASSERT_EQ(found.crossings.count, 1u);
+  const auto json = nlohmann::json::parse(as_json(d, found));
+  const auto at = json["self_intersections"]["first"][0]["positions"][0];
+  EXPECT_NEAR(at[1].get<double>(), 1, 1e-12);
+  EXPECT_NEAR(at[2].get<double>(), 0, 1e-12);
+  EXPECT_TRUE(at[0] > 0.37 && at[0] < 0.63) << at;  // 3/8 … 5/8
+  const std::string text = as_text(d, found);
+  EXPECT_NE(text.find("face 0, face 1 meet at ("), std::string::npos) << text;
+  EXPECT_NE(text.find("count from 0"), std::string::npos) << text;
+  const Dataset clean = generate("icosphere", 1000, 1);
+  EXPECT_EQ(as_text(clean, diagnose(clean.mesh, 3, 1)).find("count from 0"), std::string::npos);
+}
+
 TEST(Diagnosis, IsValidJsonWithTheSameCounts) {
   Dataset d = generate("icosphere+duplicated_1", 5000, 1);
   d.name = "a \"name\" with \\ and \n";

@@ -92,7 +92,13 @@ TEST_F(BadFiles, CoordinatesThatAreNotFinite) {
   EXPECT_EQ(d.mesh.faces, m.faces);
   EXPECT_EQ(d.mesh.vertices.size(), 4u);
   ASSERT_EQ(d.notes.size(), 1u);
-  expect_says(d.notes[0], "1 point has a coordinate that is not finite: number 2");
+  expect_says(d.notes[0], "1 point has a coordinate that is not finite: number 2 (counted from 0)");
+  expect_says(d.notes[0], "3 triangles have a corner there");  // all but the one across from it
+  m.faces.resize(1);
+  m.faces[0] = {0, 1, 3};
+  expect_says(read(put("b.ply", ply_big_endian(m))).notes[0], "no face has a corner there");
+  m.faces[0] = {0, 1, 2};
+  expect_says(read(put("b.ply", ply_big_endian(m))).notes[0], "1 triangle has a corner there");
   expect_says(answer("c.stl", stl_text(m)), "not a finite number");
   expect_says(answer("d.stl", stl_binary(m)), "not finite");
   expect_says(answer("e.off", off_text(m)), "is not a finite number");

@@ -163,6 +163,8 @@ TEST(Scenes, RefuseWithTheReason) {
   EXPECT_NE(message("nowhere").find("tilted_plane"), std::string::npos);
   EXPECT_NE(message("tilted_plane_x").find("theta"), std::string::npos);
   EXPECT_NE(message("tilted_plane_").find("no number"), std::string::npos);
+  for (const char* name : {"tilted_plane_theta=60", "tilted_plane_90"})
+    EXPECT_NE(message(name).find(" from 0 to 89.9"), std::string::npos) << message(name);
   EXPECT_NE(message("tilted_plane_90").find("theta"), std::string::npos);
   EXPECT_NE(message("tilted_plane_nan").find("theta"), std::string::npos);
   EXPECT_NE(message("tilted_plane_1_2_3").find("one too many"), std::string::npos);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "accel/self_intersections.hpp"
+#include "geometry/crossing_point.hpp"
 #include "tests/geometry/meshes.hpp"
 
 namespace treeline::test {
@@ -238,6 +239,37 @@ TEST(SelfIntersections, AreThoseOfAllPairs) {
       EXPECT_TRUE(std::ranges::equal(few.pairs, std::span(expected).first(7)));
     }
   }
+}
+
+TEST(CrossingPoint, LiesOnBothTriangles) {
+  for (const Mesh3f& mesh : {joined(sphere<float>(3), moved(sphere<float>(3), {0.5f, 0.25f, 0})),
+                             joined(cube<float>(1), moved(cube<float>(1), {0.25f, 0, 0})),
+                             joined(cube<float>(1), moved(cube<float>(1), {0.25f, 0.5f, 0.75f})),
+                             joined(sheet<float>(3, 0), moved(sheet<float>(3, 0), {0.125f, 0, 0}))}) {
+    const auto found = crossings(mesh);
+    ASSERT_GT(found.count, 10u);
+    for (const auto& [i, j] : found.pairs) {
+      const Triangle3f a = mesh.triangle(i), b = mesh.triangle(j);
+      const Vec3d p = crossing_point(a, b);
+      for (const Triangle3f& t : {a, b})
+        EXPECT_LT(closest_point_on_triangle(p, Triangle3d(t)).distance2, 1e-28) << i << " " << j;
+    }
+  }
+}
+
+TEST(CrossingPoint, IsWhereClosedFormsSay) {
+  const Triangle3f flat{{0, 0, 0}, {8, 0, 0}, {0, 8, 0}};
+  // Upright, with one corner below at (1, 2, -1): it cuts the plane from (1, 2, 0) on along y = 2.
+  const Vec3d through = crossing_point(flat, {{1, 2, -1}, {1, 2, 1}, {3, 2, 1}});
+  EXPECT_NEAR(through[1], 2, 1e-12);
+  EXPECT_NEAR(through[2], 0, 1e-12);
+  EXPECT_TRUE(through[0] > 1 - 1e-12 && through[0] < 2 + 1e-12);
+  // A shared corner is none: the side across it meets the plane at (2, 3, 0).
+  const Vec3d beyond = crossing_point(flat, {{0, 0, 0}, {2, 3, -1}, {2, 3, 1}});
+  EXPECT_LT(distance(beyond, Vec3d{2, 3, 0}), 1e-12);
+  // Only that corner of the second touches.
+  const Vec3d touch = crossing_point({{5, 5, 5}, {2, 1, 0}, {6, 5, 5}}, flat);
+  EXPECT_LT(distance(touch, Vec3d{2, 1, 0}), 1e-12);
 }
 
 TEST(SelfIntersections, RefuseFacesThatAreNotSound) {
