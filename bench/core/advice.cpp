@@ -185,6 +185,10 @@ Advice advise(const Task& task, const std::vector<Row>& rows, const std::vector<
   return out;
 }
 
+bool answers(const Advice& advice, std::size_t sets) {
+  return advice.chosen || (sets > 1 && advice.alone.size() == sets);
+}
+
 bool as_fast(const Rung& a, const Rung& b) {
   const auto ia = interval_of(a), ib = interval_of(b);
   return !ia || !ib || (ia->first <= ib->second && ib->first <= ia->second);

@@ -31,6 +31,9 @@ struct Advice {
 /// left out. Errors are held against the tolerance, or against the truth's own error where that is larger.
 Advice advise(const Task&, const std::vector<Row>&, const std::vector<std::string>& sets, double tolerance);
 
+/// Whether each of so many query sets has a rung that meets the tolerance: one for all, or others for some.
+bool answers(const Advice&, std::size_t sets);
+
 /// Whether two rungs cannot be told apart in time: the sums of their intervals overlap, or one has none.
 bool as_fast(const Rung&, const Rung&);
 

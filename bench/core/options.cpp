@@ -133,9 +133,9 @@ std::variant<Options, int> parse_command_line(const std::string& task, int argc,
   app.footer(
       "Google Benchmark's own flags (--benchmark_filter=…, --benchmark_out=FILE, --benchmark_min_time=…, …) "
       "work too.\n"
-      "Exit status: 0 all cells ended as expected; 1 a cell of ours is wrong, crashed or timeout, or a "
-      "filter\n"
-      "matched nothing; 2 unusable arguments or input.");
+      "Exit status: 0 all cells ended as expected, and --advise names a method for every query set, for all\n"
+      "together or for each alone; 1 a cell of ours is wrong, crashed or timeout, a query set is without a\n"
+      "method, or a filter matched nothing; 2 unusable arguments or input.");
   const auto positive = number_that([](double x) { return x > 0 && x <= 1e18; }, "a positive number");
   const auto seconds =
       number_that([](double x) { return x > 0 && x <= 1e6; }, "a number of seconds up to 1000000");

@@ -223,6 +223,20 @@ TEST(Advice, NamesAnotherRungForASetAlone) {
   EXPECT_NE(line_with(format_advice(advice, 0.1, ""), "alone").find("a: for_a"), std::string::npos);
 }
 
+TEST(Advice, AnswersWhereEachSetHasARungOfItsOwn) {
+  const std::vector<std::string> both{"a", "b"};
+  const auto answered = [&](double even_b, double for_a_b) {
+    const std::vector<Row> rows{rung_row("even", "a", 50, 0.5), rung_row("even", "b", 50, even_b),
+                                rung_row("for_a", "a", 10, 0), rung_row("for_a", "b", 10, for_a_b)};
+    const Advice advice = advise(FakeTask(), rows, both, 0.1);
+    return std::pair(advice.chosen.has_value(), answers(advice, both.size()));
+  };
+  EXPECT_EQ(answered(0, 0.5), std::pair(false, true));     // one for a, the other for b
+  EXPECT_EQ(answered(0.5, 0.5), std::pair(false, false));  // none for b
+  EXPECT_EQ(answered(0.5, 0), std::pair(true, true));
+  EXPECT_FALSE(answers(advise(FakeTask(), {rung_row("m", "a", 1, 0.5)}, {"a"}, 0.1), 1));
+}
+
 TEST(Advice, WarnsOfABusyMachineAsTheReportDoes) {
   std::vector<Row> rows(40, rung_row("m", "a", 100, 0));
   for (Row& row : rows) row.query_cpu_ns = 95;
