@@ -4,6 +4,8 @@
 // Claim: approximate. Its answers lie on the smaller mesh, whose faces have other numbers, so only their
 // distances are judged. The time of the build is mostly the decimation's. A soup has no edges to collapse:
 // what cannot be made small enough says so.
+#include <fmt/format.h>
+
 #include "accel/bvh.hpp"
 
 #include "bench/closest_point/tree_index.hpp"
@@ -22,7 +24,10 @@ std::unique_ptr<Index> build(const geometry::Mesh3f& mesh, const Knobs& knobs, i
   const geometry::Mesh3f small = datasets::decimated(mesh, keep).mesh;
   const double share = static_cast<double>(small.size()) / static_cast<double>(mesh.size());
   if (share > keep * too_many)
-    throw Unsupported("decimation ends at " + std::to_string(100 * share) + " % of the faces");
+    throw Unsupported(
+        fmt::format("no further edge can be collapsed: {:.3g} % of the faces are left, where "
+                    "{:g} % were asked for",
+                    100 * share, 100 * keep));
   return build_tree<accel::Bvh, float, NoNode>(small, tree_knobs, threads);
 }
 

@@ -2,7 +2,8 @@
 //
 // Radiance goes to the EXR file as it is, and as a screen shows it to the PNG file. A line on stderr tells
 // samples, time and the estimated relative error; on a terminal it is rewritten. An interrupt ends it with
-// what has been traced. Exit status: 0 done; 2 unusable arguments or files.
+// what has been traced. Exit status: 0 done, be the error asked for reached or not; 2 unusable arguments or
+// files.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -152,6 +153,13 @@ void render(const Arguments& a, const treeline::shading::LitScene& room) {
       "{:.2f} million paths a second of it), estimated relative error {}\n",
       a.exr, film.width(), film.height(), room.mesh.size(), done, seconds(), used,
       1e-6 * film.samples() * static_cast<double>(film.size()) / std::max(used, 1e-9), error());
+  if (a.error > 0 && !(film.relative_error() <= a.error)) {
+    fmt::print(stderr, "{}: --error {:g} was not reached by {} samples a pixel; the estimate is {}", a.exr,
+               a.error, done, error());
+    if (const double times = film.relative_error() / a.error; std::isfinite(times))
+      fmt::print(stderr, ". It falls with their square root: about {:.2g} would do", done * times * times);
+    fmt::print(stderr, "\n");
+  }
 }
 
 void render(const Arguments& a) {
@@ -192,11 +200,15 @@ int main(int argc, char** argv) {
   app.add_option("--width", a.width, "pixels")->check(CLI::Range(1, largest_side));
   app.add_option("--height", a.height, "pixels")->check(CLI::Range(1, largest_side));
   app.add_option("--seed", a.seed, "of room and paths")->check(datasets::whole_number());
-  app.add_option("--error", a.error, "ends when the estimated relative error is no larger")
+  app.add_option("--error", a.error,
+                 "ends when the estimated relative error is no larger, or after --samples; says so if it is")
       ->check(CLI::PositiveNumber);
   app.add_option("--exposure", a.exposure, "of the PNG: this much radiance is white")
       ->check(CLI::PositiveNumber);
   app.add_flag("--force", a.force, "replaces files");
+  app.footer(
+      "A file's mesh stands on a floor and is seen from outside, y up; that view is fixed.\n"
+      "Exit status: 0 done, be --error reached or not; 2 unusable arguments or files.");
   std::signal(SIGINT, [](int) { interrupted = 1; });
   try {
     app.parse(argc, argv);

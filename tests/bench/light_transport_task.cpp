@@ -429,6 +429,13 @@ TEST(LightProgram, Renders) {
   const auto tent = at / "tent.obj";
   std::ofstream(tent) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n";
   EXPECT_EQ(run(render + tent.string() + " " + exr + " --force" + small), 0);
+  const auto told = at / "told";
+  const auto aims = [&](const std::string& error) {
+    EXPECT_EQ(run(render + "cornell_box " + exr + " --force --error " + error + small, told), 0);
+    return bytes(told).find("--error " + error + " was not reached by 16 samples") != std::string::npos;
+  };
+  EXPECT_TRUE(aims("1e-06"));
+  EXPECT_FALSE(aims("1000"));
   for (const char* bad : {"nowhere.obj a.exr", "cornell_box a.jpg", "cornell_box a.exr a.exr",
                           "cornell_box a.exr --seed -1", "cornell_box a.exr --seed 18446744073709551616"})
     EXPECT_EQ(run(render + bad), 2) << bad;
