@@ -1,6 +1,6 @@
 #pragma once
-// What most sources include anyway, compiled once for each set of flags: see TREELINE_PCH. Sources name what they
-// use all the same, and compile without this.
+// What most sources include anyway, compiled once for each set of flags: see TREELINE_PCH. Sources name what
+// they use all the same, and compile without this.
 #include <algorithm>
 #include <array>
 #include <atomic>
