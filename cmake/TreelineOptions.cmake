@@ -41,14 +41,14 @@ function(treeline_together target batch)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${TREELINE_UNITY} UNITY_BUILD_BATCH_SIZE ${batch})
 endfunction()
 
-# Of the seconds that a method's source takes, a third went into reading the standard library, the intrinsics and the
-# JSON type, and on virtual machines, where fresh memory is dear, more. GCC takes headers compiled with other flags of
+# Of the 26 s of CPU that bench/knn/brute.cpp took, on a virtual machine where fresh memory is dear, six went into reading
+# the standard library, the intrinsics, oneTBB and the JSON type. GCC takes headers compiled with other flags of
 # the optimiser without a word, keeps those flags for what is in them, and may crash over it: hence a set of headers for
-# each set of flags.
+# each set of flags; sources with flags of their own go without (SKIP_PRECOMPILE_HEADERS).
 #   treeline_precompiled_set(SET [HEADERS header...] [LINK library...] [OPTIONS flag...])
 #   treeline_precompiled(TARGET SET)
 set(TREELINE_PCH_DEFAULT OFF)
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # measured with it; Clang refuses what differs in any flag
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # which it was tried with
   set(TREELINE_PCH_DEFAULT ON)
 endif()
 option(TREELINE_PCH "Read the headers that most sources share precompiled" ${TREELINE_PCH_DEFAULT})
