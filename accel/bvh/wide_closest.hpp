@@ -32,6 +32,34 @@ inline constexpr float closest_reach = 0x1p28f;
 /// three squares sum with 3 u; 16 covers the 11, and the comparison.
 inline constexpr float box_distance_slack = 16 * geometry::tolerance::unit_roundoff<float>;
 
+/// Squared distances between a box, or a point that is one, and the boxes whose planes along an axis
+/// plane(axis, high) gives.
+template <int N, class Plane>
+[[gnu::always_inline]] inline simd::Floats<N> distance2_to_boxes(const geometry::Vec<float, 3>& low,
+                                                                 const geometry::Vec<float, 3>& high,
+                                                                 Plane&& plane) {
+  using F = simd::Floats<N>;
+  F sum;
+  for (int k = 0; k < 3; ++k) {
+    const F gap =
+        max(max(plane(k, 0) - F::broadcast(high[k]), F::broadcast(low[k]) - plane(k, 1)), F::broadcast(0));
+    sum = k == 0 ? gap * gap : sum + gap * gap;
+  }
+  return sum;
+}
+
+/// Some queries' box in the tree's space. Rounding is monotonic: no box is found farther from it than from
+/// any of them.
+struct ClosestPlaces {
+  geometry::Box<float, 3> box;
+
+  /// Squared distances to the boxes whose planes along an axis plane(axis, high) gives.
+  template <int N, class Plane>
+  [[gnu::always_inline]] simd::Floats<N> to_boxes(Plane&& plane) const {
+    return distance2_to_boxes<N>(box.low, box.high, plane);
+  }
+};
+
 template <class F>
 struct Lanes3 {
   F v[3];
@@ -66,14 +94,7 @@ class ClosestPlace {
   /// Squared distances to the boxes whose planes along an axis plane(axis, high) gives.
   template <int N, class Plane>
   [[gnu::always_inline]] simd::Floats<N> to_boxes(Plane&& plane) const {
-    using F = simd::Floats<N>;
-    F sum;
-    for (int k = 0; k < 3; ++k) {
-      const F p = F::broadcast(p_[k]);
-      const F gap = max(max(plane(k, 0) - p, p - plane(k, 1)), F::broadcast(0));
-      sum = k == 0 ? gap * gap : sum + gap * gap;
-    }
-    return sum;
+    return distance2_to_boxes<N>(p_, p_, plane);
   }
 
   /// For each triangle of a leaf: bounds on the squared distance. Lanes of `gone` do not count.
@@ -151,11 +172,11 @@ class ClosestPlace {
   float of_square_, of_edge_;
 };
 
-template <int N>
-[[gnu::always_inline]] inline BoxHits<N> near(const RayNode<N>& node, const ClosestPlace& place,
-                                              float limit) {
+/// Place: ClosestPlace or ClosestPlaces.
+template <int N, class Place>
+[[gnu::always_inline]] inline BoxHits<N> near(const RayNode<N>& node, const Place& place, float limit) {
   const auto d2 =
-      place.to_boxes<N>([&](int k, int high) { return simd::Floats<N>::load(node.plane[k][high]); });
+      place.template to_boxes<N>([&](int k, int high) { return simd::Floats<N>::load(node.plane[k][high]); });
   return {d2, bits_le(d2, simd::Floats<N>::broadcast(limit))};
 }
 

@@ -1,4 +1,5 @@
-// The points of up to eight triangles nearest to a point, in double, whatever triangles they are.
+// The points of up to eight triangles nearest to a point, or each to one of its own, in double, whatever
+// triangles they are.
 //
 // The candidates of geometry::closest_point_on_triangle (one on each edge, and one on the face where the
 // point projects into it), eight triangles side by side and nothing fused, so that all instruction sets find
@@ -8,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 
 #include "accel/bvh/wide_closest.hpp"
 #include "accel/simd/lanes.hpp"
@@ -32,9 +34,17 @@ class EightClosest {
     id_[size_++] = leaf.id[lane];
   }
 
+  using Lane = simd::Lanes<double>;
+
   void measure(const Point& point) {
+    measure([&](int k) { return Lane::broadcast(point[k]); });
+  }
+  /// Each from a point of its own: coordinate(k) are those of the eight along an axis.
+  template <class Coordinate>
+  requires std::invocable<Coordinate, int>
+  void measure(Coordinate&& coordinate) {
     std::fill_n(feature_, size_, unknown);
-    using F = simd::Lanes<double>;
+    using F = Lane;
     using V = Lanes3<F>;
     // What is in the lanes beyond is measured along, and not looked at. One alone, the most frequent number,
     // is in all of them.
@@ -47,7 +57,7 @@ class EightClosest {
     };
     const auto corner = [&](int i) { return V{{row(i, 0), row(i, 1), row(i, 2)}}; };
     const V a = corner(0), b = corner(1), c = corner(2);
-    const V p{{F::broadcast(point[0]), F::broadcast(point[1]), F::broadcast(point[2])}};
+    const V p{{coordinate(0), coordinate(1), coordinate(2)}};
     const F zero = F::broadcast(0), one = F::broadcast(1);
     const V ab = b - a, bc = c - b, ca = a - c, pa = p - a, pb = p - b, pc = p - c;
     const F ab2 = dot(ab, ab), bc2 = dot(bc, bc), ca2 = dot(ca, ca);

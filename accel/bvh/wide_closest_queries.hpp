@@ -6,7 +6,7 @@
 #pragma once
 
 #include "accel/batch.hpp"
-#include "accel/bvh/wide_closest_search.hpp"
+#include "accel/bvh/wide_closest_group.hpp"
 #include "accel/query_order.hpp"
 #include "accel/ray_checks.hpp"
 
@@ -27,7 +27,7 @@ struct ClosestOptions {
 enum class QueryOrder {
   automatic,  ///< along a curve, where there are enough queries for that to pay
   given,      ///< as they come
-  curve       ///< along a curve through space, each begun where the one before has ended (query_order.hpp)
+  curve       ///< along a curve through space, neighbours together (query_order.hpp, wide_closest_group.hpp)
 };
 
 template <class Tree, class Layout>
@@ -97,6 +97,11 @@ class WideClosestQueries {
       hint = wide::no_ref;
     });
   }
+  int spaces() const {
+    int count = 0;
+    tree().each_closest_space([&](const wide::ClosestSpace&) { ++count; });
+    return count;
+  }
   template <class T, bool exact, class W>
   ClosestPoint<T> answer(const wide::ClosestQuestion& question, W& work) const {
     wide::ClosestSoFar best;
@@ -134,15 +139,35 @@ class WideClosestQueries {
       return;
     }
     const auto order = along_curve(queries, threads);
+    const auto ask_for = [&](std::size_t j) {
+      const std::size_t next = order[j].value;
+      __builtin_prefetch(&queries[next]), __builtin_prefetch(&out[next], 1);
+    };
+    if (spaces() == 1) {
+      parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
+        tree().each_closest_space([&](const wide::ClosestSpace& space) {
+          using Groups = wide::ClosestGroups<Layout, exact>;
+          Groups groups(space, limit);
+          ClosestPointOf some[Groups::most];
+          wide::ClosestSoFar best[Groups::most];
+          for (std::size_t j = begin; j < end; j += Groups::most) {
+            const std::size_t count = std::min(Groups::most, end - j);
+            for (std::size_t i = j + ahead; i < std::min(j + ahead + Groups::most, end); ++i) ask_for(i);
+            for (std::size_t i = 0; i < count; ++i) some[i] = queries[order[j + i].value];
+            groups.find({some, count}, best);
+            for (std::size_t i = 0; i < count; ++i)
+              out[order[j + i].value] = given<T, exact>({some[i], limit}, best[i]);
+          }
+        });
+      });
+      return;
+    }
     parallel_ranges(queries.size(), threads, [&](std::size_t begin, std::size_t end) {
       NoWork work;
       wide::Ref hint = wide::no_ref;
       for (std::size_t j = begin; j < end; ++j) {
         const std::size_t i = order[j].value;
-        if (j + ahead < end) {
-          const std::size_t next = order[j + ahead].value;
-          __builtin_prefetch(&queries[next]), __builtin_prefetch(&out[next], 1);
-        }
+        if (j + ahead < end) ask_for(j + ahead);
         const wide::ClosestQuestion question{queries[i], limit};
         wide::ClosestSoFar best;
         find<exact>(question, best, hint, work);

@@ -263,11 +263,11 @@ template <class Count>
   hits.bits &= node.present;
   return hits;
 }
-template <class Count>
-[[gnu::always_inline]] inline BoxHits<8> near(const CompactNode<Count>& node, const ClosestPlace& place,
+template <class Count, class Place>
+[[gnu::always_inline]] inline BoxHits<8> near(const CompactNode<Count>& node, const Place& place,
                                               float limit) {
   using F = simd::Floats<8>;
-  const F d2 = place.to_boxes<8>([&](int k, int high) {
+  const F d2 = place.template to_boxes<8>([&](int k, int high) {
     return F::of(node.plane[k][high]) * F::broadcast(node.step(k)) + F::broadcast(node.origin[k]);
   });
   return {d2, bits_le(d2, F::broadcast(limit)) & node.present};

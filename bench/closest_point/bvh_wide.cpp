@@ -1,7 +1,7 @@
 // Our wide bounding volume hierarchy. Methods bvh_wide, whose answers are those of double, and
 // bvh_wide_exact, which decides exactly which triangle is nearest and how far; the point on a sliver is as
-// double finds it. The knob order: batches as they are given, or along a curve through space, each query
-// begun where the one before has ended.
+// double finds it. The knob order: batches as they are given, or along a curve through space, a few
+// neighbours together.
 #include "accel/bvh/wide_triangles.hpp"
 
 #include "bench/closest_point/tree_index.hpp"

@@ -133,11 +133,18 @@ inline int exact_feature(const Vec3d& p, const Triangle3d& t) {
 
 namespace detail {
 
+/// All in one function, as callers that rarely run have the compiler save space: exact queries of the wide
+/// tree are a tenth faster by it.
+[[gnu::flatten, gnu::noinline]] inline void bounded_quotient(const FeatureDistance2& nearest,
+                                                             BoundedDouble& above, BoundedDouble& below) {
+  nearest.quotient(above, below);
+}
+
 /// Rounded once.
 template <class T>
 T rounded_distance2(const FeatureDistance2& nearest) {
   BoundedDouble above, below;
-  nearest.quotient(above, below);
+  bounded_quotient(nearest, above, below);
   if (above.certain_sign() == 0) return 0;  // of which no digit is left to round
   if (const auto r = rounded_if_certain<T>(above, below)) return *r;
   Dyadic n, d;

@@ -190,6 +190,39 @@ TYPED_TEST(WideClosest, BatchesAnswerAsSingleQueriesBitByBit) {
   }
 }
 
+/// Neighbours on a fine mesh, which are answered together, among queries that leave the list of what is near
+/// all of them: nearer and farther ones, strays, and crowds at one place.
+TYPED_TEST(WideClosest, NeighboursInBatchesAnswerAsSingleQueriesBitByBit) {
+  Pcg32 random(56);
+  for (const bool ragged : {false, true}) {
+    auto triangles = triangles_of(sphere<float>(5));
+    if (ragged)
+      for (const auto& t : soup<float>(3000, 0.02f, 57)) triangles.push_back(t);
+    const TypeParam tree(triangles);
+    std::vector<V> queries;
+    for (int i = 0; i < 6000; ++i) {
+      const auto& t = triangles[random.below(static_cast<std::uint32_t>(triangles.size()))];
+      const float away = i % 50 == 0 ? 0.3f : i % 7 == 0 ? 0.03f : 0.003f;
+      queries.push_back(i % 11 == 0 ? t.b : (t.a + t.b + t.c) * (1.0f / 3) + in_cube(random, away));
+      if (i % 400 == 0) queries.push_back(in_cube(random, i % 800 == 0 ? 10.0f : 0.2f));
+    }
+    for (int i = 0; i < 300; ++i) queries.push_back(triangles[0].a + in_cube(random, 1e-4f));
+    for (const bool exact : {false, true})
+      for (const float limit : {std::numeric_limits<float>::infinity(), 0.01f, 0.0f}) {
+        const ClosestOptions options{limit, exact};
+        std::vector<ClosestPoint<double>> out(queries.size());
+        tree.template closest_point<double>(queries, options, out, ragged ? 3 : 1, QueryOrder::curve);
+        for (std::size_t i = 0; i < queries.size(); ++i) {
+          const auto single = tree.template closest_point<double>(queries[i], options);
+          ASSERT_EQ(out[i].primitive, single.primitive) << i;
+          ASSERT_EQ(out[i].distance2, single.distance2) << i;
+          ASSERT_EQ(out[i].point, single.point) << i;
+          ASSERT_EQ(out[i].feature, single.feature) << i;
+        }
+      }
+  }
+}
+
 TYPED_TEST(WideClosest, PilesOfEqualTrianglesGiveTheLowestId) {
   std::vector<Triangle<float>> pile(3000, Triangle<float>{{-1, -1, 1}, {1, -1, 1}, {0, 1, 1}});
   for (int i = 0; i < 1000; ++i) pile.push_back({{5, 5, 5}, {5, 5, 5}, {5, 5, 5}});
