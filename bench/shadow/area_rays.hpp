@@ -12,10 +12,10 @@
 
 namespace treeline::bench::shadow {
 
-/// rays a receiver, of the best pattern; and of our own more, for small tolerances, and 16 of the others.
+/// rays a receiver, of the best pattern; of our own still more, for small tolerances, and 16 of the others.
 inline std::vector<Knobs> area_ray_knobs(bool ours) {
   std::vector<Knobs> all;
-  for (const int rays : {16, 1, 64, 4, 2, 8, 32}) all.push_back({{"rays", rays}});
+  for (const int rays : {16, 1, 64, 4, 2, 8, 32, 256}) all.push_back({{"rays", rays}});
   if (!ours) return all;
   all.push_back({{"rays", 512}});
   for (const char* pattern : {"jittered", "random", "regular"})

@@ -5,6 +5,7 @@
 #include "bench/shadow/lights.hpp"
 #include "bench/shadow/method.hpp"
 #include "bench/shadow/truth.hpp"
+#include "shading/shadow/surface_offset.hpp"
 
 namespace treeline::bench::shadow {
 namespace {
@@ -24,7 +25,8 @@ class CentreRay final : public ShadowSubject {
     for (std::size_t i = 0; i < receivers.size(); ++i) {
       const Receiver& r = receivers[i];
       const ToLight to = to_light(light_, r.position);
-      rays_[i] = {Vec3f(r.position + r.normal * offset_), Vec3f(to.direction)};
+      const auto start = shading::shadow::shadow_start(r, to.direction, offset_);
+      rays_[i] = {Vec3f(start.origin), Vec3f(to.direction), static_cast<float>(start.t_min)};
       if (to.distance < far_away) rays_[i].t_max = static_cast<float>(to.distance);
     }
     tree_.any_hit(std::span<const geometry::Rayf>(rays_), hit_, threads, accel::RayBatch::packets);

@@ -7,15 +7,18 @@
 #include "bench/shadow/lights.hpp"
 #include "geometry/random.hpp"
 #include "geometry/sobol.hpp"
+#include "shading/shadow/surface_offset.hpp"
 
 namespace treeline::bench::shadow {
 namespace {
 
 using geometry::Vec3f;
 
-constexpr double offset_share =
-    1e-5;                           // of the scene's diagonal: ten times what float leaves of a place in it
+/// Of the scene's diagonal: rays start that far above the surface. Ten times what float leaves of a place in
+/// the scene.
+constexpr double offset_share = 1e-5;
 constexpr double end_share = 1e-4;  // of the way to the light: what carries it casts no shadow
+constexpr int version = 2;          // of how rays are traced: truths of others are not taken from a cache
 
 /// Samples of both halves that saw the light, of one receiver.
 struct Seen {
@@ -88,7 +91,8 @@ class Tracer {
                                  geometry::sobol_owen(index, 1, stream)));
   }
   geometry::Rayf ray_along(const Receiver& r, const ToLight& to) const {
-    geometry::Rayf ray{Vec3f(r.position + r.normal * offset_), Vec3f(to.direction)};
+    const auto start = shading::shadow::shadow_start(r, to.direction, offset_);
+    geometry::Rayf ray{Vec3f(start.origin), Vec3f(to.direction), static_cast<float>(start.t_min)};
     if (to.distance < far_away) ray.t_max = static_cast<float>(to.distance * (1 - end_share));
     return ray;
   }
@@ -177,7 +181,7 @@ double split_error(const shading::Scene& scene, const Tree& tree, std::span<cons
 
 std::uint64_t truth_hash(const shading::Scene& scene, std::span<const Receiver> receivers,
                          const TruthOptions& options) {
-  std::uint64_t h = receivers.size();
+  std::uint64_t h = geometry::hash_u64(version, receivers.size());
   const auto add = [&](double x) { h = geometry::hash_u64(h, std::bit_cast<std::uint64_t>(x)); };
   const auto add_all = [&](const geometry::Vec3d& p) {
     for (int k = 0; k < 3; ++k) add(p[k]);

@@ -22,7 +22,7 @@ struct AreaRayOptions {
   int samples = 16;  ///< a receiver; lights without extent take one
   SamplePattern pattern = SamplePattern::sobol_owen;
   std::uint64_t seed = 0;
-  double offset = 0;  ///< rays start that far off the surface, in world units; 0: surface_offset()
+  double offset = 0;  ///< rays start that far above the surface, in world units; 0: surface_offset()
 };
 
 /// All that is asked of a tree here; every accel::RayIndex has it.
@@ -78,7 +78,7 @@ class AreaRays {
   }
 
   std::size_t bytes() const { return tree_->bytes(); }
-  /// Rays start that far off the surface; in world units.
+  /// Rays start that far above the surface; in world units.
   double offset() const { return offset_; }
 
  private:
@@ -100,12 +100,11 @@ class AreaRays {
     for (std::size_t i = 0; i < receivers.size(); ++i) {
       answers[i] = 0;
       samples_(pixel_of(receivers[i]), b.points);
-      const Vec3d origin = receivers[i].position + receivers[i].normal * offset_;
       for (const Vec2d& point : b.points) {
-        const Vec3d way = light_.towards(origin, point);
+        const Vec3d way = light_.towards(receivers[i].position, point);
         if (!(dot(way, receivers[i].normal) > 0)) continue;
         Rays& to = b.by_octant[(way[0] < 0 ? 1 : 0) | (way[1] < 0 ? 2 : 0) | (way[2] < 0 ? 4 : 0)];
-        to.rays.push_back(ray(origin, way)), to.owners.push_back(static_cast<std::uint32_t>(i));
+        to.rays.push_back(ray(receivers[i], way)), to.owners.push_back(static_cast<std::uint32_t>(i));
       }
     }
     for (const Rays& r : b.by_octant) {
@@ -117,8 +116,10 @@ class AreaRays {
     }
     for (float& a : answers) a /= static_cast<float>(samples_.count());
   }
-  Ray ray(const Vec3d& origin, const Vec3d& way) const {
-    Ray r{geometry::Vec<Scalar, 3>(origin), geometry::Vec<Scalar, 3>(way)};
+  Ray ray(const Receiver& receiver, const Vec3d& way) const {
+    const ShadowStart start = shadow_start(receiver, way, offset_);
+    Ray r{geometry::Vec<Scalar, 3>(start.origin), geometry::Vec<Scalar, 3>(way),
+          static_cast<Scalar>(start.t_min)};
     if (!light_.directional()) r.t_max = static_cast<Scalar>(std::max(0.0, 1 - offset_ / length(way)));
     return r;
   }

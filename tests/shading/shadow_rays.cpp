@@ -163,6 +163,42 @@ TEST(AreaRays, SunOverAnEdge) {
   }
 }
 
+/// What rays start above the surface by grows with the scene, where edges of shadows stay: a kilometre from
+/// the origin half a penumbra of 6 cm, which 15 mm of that would move by a third of it.
+TEST(AreaRays, EdgesStayInLargeScenes) {
+  Scene scene;
+  add_quad(scene.mesh, {0, 0, 0}, {0, 0, 1000}, {1000, 0, 0});
+  add_quad(scene.mesh, {780, 2, 0}, {0, 0, 40}, {20, 0, 0});  // ends at x = 800
+  scene.camera.position = {800, 5, 20};
+  scene.light.direction = {0.8, -0.6, 0}, scene.light.angle = 0.005;
+  const Tree tree(scene.mesh);
+  const AreaRays rays(tree, scene, options(4096));
+  EXPECT_GT(rays.offset(), 0.01);
+  for (double x = 2.63; x <= 2.71; x += 0.004) {
+    const double along = x * 0.8 + 2 * 0.6, across = x * 0.6 - 2 * 0.8;
+    // Float rounds the receiver's place by 31 µm, of 17 mm that the sun's radius covers there across the way.
+    EXPECT_NEAR(rays.visibility(on_floor(800 + x)), disc_over_edge(across / along / std::tan(0.005)), 0.006)
+        << x;
+  }
+}
+
+/// What stands on the floor shades it up to its foot, at every height of the sun.
+TEST(AreaRays, ShadowsReachTheFeetOfWalls) {
+  for (const double sine : {0.02, 0.1, 0.126, 0.3, 0.9}) {
+    Scene scene;
+    add_quad(scene.mesh, {0, 0, 0}, {0, 0, 10}, {10, 0, 0});
+    add_quad(scene.mesh, {0, 2, 0}, {0, 0, 10}, {0, 2, 0});  // a wall in x = 0, 4 high
+    scene.camera.position = {5, 5, 5};
+    scene.light.direction = {std::sqrt(1 - sine * sine), -sine, 0};
+    const Tree tree(scene.mesh);
+    const AreaRays rays(tree, scene, options(1));
+    EXPECT_LT(rays.offset(), 3e-4);
+    for (const double x : {0.003, 0.01, 0.1, 1.0})
+      EXPECT_EQ(rays.visibility(on_floor(x)), 0) << sine << ' ' << x;
+    for (const double x : {-0.003, -0.1}) EXPECT_EQ(rays.visibility(on_floor(x)), 1) << sine << ' ' << x;
+  }
+}
+
 TEST(AreaRays, DiscBehindDisc) {
   Scene scene;
   add_quad(scene.mesh, {0, 0, 0}, {0, 0, 40}, {40, 0, 0});
