@@ -1,7 +1,8 @@
-// What an opaque surface does to light, for many pairs of directions at once, by channel: Bsdf's eval, pdf
-// and sample on structures of arrays and vector registers.
+// What a surface does to light, for many pairs of directions at once, by channel: Bsdf's eval, pdf and sample
+// on structures of arrays and vector registers.
 //
-// Diffuse surfaces and facets of GGX or Beckmann, with Fresnel's factor and what makes good for lost light.
+// Diffuse surfaces, facets of GGX or Beckmann, with Fresnel's factor and what makes good for lost light,
+// mirrors and glass (mirror.hpp, glass.hpp).
 // Answers as Bsdf<double> of the same material does for the same numbers, within a relative error of 1e-5.
 // Cost: that of the lobe (batch_ggx.hpp, batch_beckmann.hpp) and of Fresnel's factor (batch_fresnel.hpp); the
 // lobe of many bounces as much again to sample. Known weakness: one material for all of a batch.
@@ -101,11 +102,62 @@ class Facets {
   }
 };
 
+/// What mirrors and glass share: only sampling meets the directions that they send light to.
+class Delta {
+ public:
+  [[gnu::always_inline]] Floats3 eval(const Floats3&, const Floats3&) const {
+    return {Floats{}, Floats{}, Floats{}};
+  }
+  [[gnu::always_inline]] Floats pdf(const Floats3&, const Floats3&) const { return Floats{}; }
+};
+
+class Mirror : public Delta {
+ public:
+  explicit Mirror(const Material& m) : reflectance_(m.reflectance) {}
+
+  [[gnu::always_inline]] SurfaceSample sample(const Floats3& wo, Floats, Floats, Floats) const {
+    const Ints above = wo.z > 0;
+    const Floats3 weight{kept(above, floats(reflectance_[0])), kept(above, floats(reflectance_[1])),
+                         kept(above, floats(reflectance_[2]))};
+    return {{-wo.x, -wo.y, wo.z}, weight, Floats{}};
+  }
+
+ private:
+  Rgb reflectance_;
+};
+
+class Glass : public Delta {
+ public:
+  explicit Glass(const Material& m)
+      : into_{static_cast<float>((m.index - 1) * (m.index + 1)), static_cast<float>(1 / m.index)},
+        out_{static_cast<float>((1 / m.index - 1) * (1 / m.index + 1)), static_cast<float>(m.index)} {}
+
+  [[gnu::always_inline]] SurfaceSample sample(const Floats3& wo, Floats choice, Floats, Floats) const {
+    const Ints outside = wo.z >= 0;
+    const Floats bend = outside ? floats(into_.bend) : floats(out_.bend),
+                 scale = outside ? floats(into_.scale) : floats(out_.scale);
+    const Floats cosine = least(largest(wo.z, -wo.z), floats(1));
+    const Ints reflects = choice < dielectric_reflectance(bend, cosine);
+    const Floats far = scale * root(largest(bend + cosine * cosine, Floats{}));
+    const Floats weight = reflects ? floats(1) : scale * scale;
+    const Floats turn = reflects ? floats(-1) : -scale;
+    return {{turn * wo.x, turn * wo.y, reflects ? wo.z : (outside ? -far : far)},
+            {weight, weight, weight},
+            Floats{}};
+  }
+
+ private:
+  struct Side {
+    float bend, scale;  // of the index ahead over that behind: its square less 1, and one over it
+  };
+  Side into_, out_;
+};
+
 }  // namespace batch
 
 class BatchBsdf {
  public:
-  /// Throws InvalidMaterial, also for mirrors and glass: they reflect one direction only.
+  /// Throws InvalidMaterial.
   explicit BatchBsdf(const Material& m) : surface_(surface_of(m)) {}
 
   // The view: by entry, or one for all. As many entries as the last argument has; std::invalid_argument if
@@ -122,7 +174,8 @@ class BatchBsdf {
   void pdf(const Directions& wi, const geometry::Vec3f& wo, std::span<float> p) const { pdf_all(wi, wo, p); }
 
   /// By entry a wi, its weight f cos / pdf by channel and its density, for choice, u and v in [0, 1): weight
-  /// and density are 0 where the light is lost.
+  /// and density are 0 where the light is lost. Of mirrors and glass the density is 0, and the weight is that
+  /// of all light from wi; below the surface is inside of glass.
   void sample(const Directions& wo, std::span<const float> choice, std::span<const float> u,
               std::span<const float> v, const DirectionsOut& wi, const ColoursOut& weight,
               std::span<float> pdf) const {
@@ -135,15 +188,15 @@ class BatchBsdf {
   }
 
  private:
-  using Surface =
-      std::variant<batch::Diffuse, batch::Facets<batch::GgxLobe>, batch::Facets<batch::BeckmannLobe>>;
+  using Surface = std::variant<batch::Diffuse, batch::Facets<batch::GgxLobe>,
+                               batch::Facets<batch::BeckmannLobe>, batch::Mirror, batch::Glass>;
   Surface surface_;
 
   static Surface surface_of(const Material& m) {
     check_material(m);
     if (m.kind == SurfaceKind::diffuse) return batch::Diffuse(m);
-    if (m.kind != SurfaceKind::microfacet)
-      throw InvalidMaterial("material '" + m.name + "': kind reflects one direction only, not for batches");
+    if (m.kind == SurfaceKind::mirror) return batch::Mirror(m);
+    if (m.kind == SurfaceKind::glass) return batch::Glass(m);
     if (m.distribution == Distribution::ggx) return batch::Facets<batch::GgxLobe>(m);
     return batch::Facets<batch::BeckmannLobe>(m);
   }

@@ -10,6 +10,17 @@
 
 namespace treeline::shading::brdf::batch {
 
+/// Of light between two media that absorb nothing: bend is the square of the index ahead over that behind,
+/// less 1.
+[[gnu::always_inline]] inline Floats dielectric_reflectance(Floats bend, Floats cosine) {
+  const Floats gg = bend + cosine * cosine;  // square of index times cosine beyond; below 0: total reflection
+  const Floats sum = root(largest(gg, Floats{})) + cosine;
+  const Floats per_sum = inverse(largest(sum, floats(1e-18f))), difference = bend * per_sum;
+  const Floats s = difference * per_sum;
+  const Floats p = s * ((cosine * sum - 1.0f) * inverse(cosine * difference + 1.0f));
+  return gg > 0 ? 0.5f * (s * s + p * p) : floats(1);
+}
+
 class Fresnel {
  public:
   /// Of a material that check_material has accepted.
@@ -28,7 +39,7 @@ class Fresnel {
         return {schlick(reflectance_[0], m5), schlick(reflectance_[1], m5), schlick(reflectance_[2], m5)};
       }
       case FresnelKind::dielectric: {
-        const Floats f = dielectric(cosine);
+        const Floats f = dielectric_reflectance(floats(bend_), cosine);
         return {f, f, f};
       }
       case FresnelKind::conductor:
@@ -45,14 +56,6 @@ class Fresnel {
   float bend_;  ///< square of the dielectric's index, less 1
 
   [[gnu::always_inline]] static Floats schlick(float f0, Floats m5) { return f0 + (1 - f0) * m5; }
-
-  [[gnu::always_inline]] Floats dielectric(Floats c) const {
-    const Floats gg = bend_ + c * c;  // square of index times cosine beyond; below 0: total reflection
-    const Floats sum = root(largest(gg, Floats{})) + c;
-    const Floats per_sum = inverse(largest(sum, floats(1e-18f))), difference = bend_ * per_sum;
-    const Floats s = difference * per_sum, p = s * ((c * sum - 1.0f) * inverse(c * difference + 1.0f));
-    return gg > 0 ? 0.5f * (s * s + p * p) : floats(1);
-  }
 
   /// With a the real part of the refracted wave's normal component: a² = (|t| + t)/2, t = n² - k² - sin².
   [[gnu::always_inline]] Floats conductor(int channel, Floats c) const {

@@ -215,13 +215,49 @@ TEST_F(BatchBsdfs, HostileDirectionsAreHarmless) {
   }
 }
 
-TEST_F(BatchBsdfs, WhatCannotBeAnsweredIsRefused) {
-  Material m;
-  for (const SurfaceKind kind : {SurfaceKind::mirror, SurfaceKind::glass}) {
-    m.kind = kind;
-    EXPECT_THROW(BatchBsdf{m}, InvalidMaterial);
+/// Views from inside of glass, too, and total reflection among them.
+TEST_F(BatchBsdfs, MirrorsAndGlassSampleAsBsdfInDouble) {
+  for (std::size_t i = 0; i < n; i += 3) wo.set(i, -wo[i]);
+  for (const auto& [kind, index] :
+       {std::pair(SurfaceKind::mirror, 1.5), std::pair(SurfaceKind::glass, 1.5),
+        std::pair(SurfaceKind::glass, 1.01), std::pair(SurfaceKind::glass, 0.6)}) {
+    Material m;
+    m.kind = kind, m.index = index, m.reflectance = {0.2f, 0.5f, 1};
+    const BatchBsdf batch(m);
+    const Bsdf<double> truth(m);
+    Arrays to, weight, f;
+    std::vector<float> pdf(n), none(n);
+    batch.sample(wo, choice, u, v, to.out(), weight.out(), pdf);
+    batch.eval(to, wo, f.out()), batch.pdf(to, wo, none);
+    std::size_t refracted = 0, reflected = 0, total = 0, near_choice = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      EXPECT_TRUE(f[i] == Vec3d{} && none[i] == 0 && pdf[i] == 0) << i;
+      const double eta = wo[i][2] >= 0 ? index : 1 / index, cosine = std::min(std::abs(wo[i][2]), 1.0);
+      const double share = fresnel_dielectric(cosine, eta);
+      if (kind == SurfaceKind::glass && std::abs(double(choice[i]) - share) < 1e-4) {
+        ++near_choice;  // either will do
+        continue;
+      }
+      const BsdfSample<double> s = truth.sample(wo[i], double(choice[i]), double(u[i]), double(v[i]));
+      const Vec3d w = s.weight;
+      for (int k = 0; k < 3; ++k) ASSERT_NEAR(weight[i][k], w[k], relative * w[k]) << i;
+      if (w == Vec3d{}) continue;  // a mirror from below
+      // Where light leaves along the boundary its cosine is the root of a difference of rounded numbers.
+      const double slack = 2e-6 + 1e-6 / std::max(std::abs(s.wi[2]), 1e-3);
+      ASSERT_LE(geometry::distance(s.wi, to[i]), slack) << i;
+      const bool through = s.wi[2] * wo[i][2] < 0;
+      refracted += through, reflected += !through, total += share == 1;
+    }
+    EXPECT_LE(near_choice, n / 100);
+    EXPECT_GT(reflected, n / 100);
+    if (kind == SurfaceKind::mirror) continue;
+    EXPECT_GT(refracted, n / 4);
+    EXPECT_GT(total, n / 100);
   }
-  m = test::ggx(0);
+}
+
+TEST_F(BatchBsdfs, WhatCannotBeAnsweredIsRefused) {
+  Material m = test::ggx(0);
   EXPECT_THROW(BatchBsdf{m}, InvalidMaterial);
   const BatchBsdf bsdf{Material{}};
   Arrays f;
