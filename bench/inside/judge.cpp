@@ -78,7 +78,6 @@ Errors judge(const geometry::Mesh3f& mesh, std::span<const Vec3f> points, std::s
   const auto n = static_cast<double>(judged);
   const double share = static_cast<double>(false_inside + false_outside) / n;
   result.error = result.mean = share;
-  result.max = share > 0 ? 1 : 0;
   result.bias = (static_cast<double>(false_inside) - static_cast<double>(false_outside)) / n;
   if (promise.claim == Claim::approximate &&
       static_cast<double>(held_wrong) > tolerated * static_cast<double>(held)) {

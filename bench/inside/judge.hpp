@@ -1,12 +1,12 @@
 // Judging the answers to a set of points against the truth.
 //
 // error is the share of wrong answers; bias is that of points called inside which are not, less that of those
-// called outside which are inside; error_max is 1 if any answer is wrong. Points on the surface belong to the
-// mesh, a closed set; they enter the error of exact methods only, for others either answer is right.
-// Claims, on meshes that are whole: exact: no wrong answer. bounded: none on points that are farther from the
-// surface than eps = 32 · unit_roundoff<float> · (largest |coordinate| of the mesh and the point), what float
-// may leave of a ray or a distance. approximate: no single answer is promised, but no more than one in a
-// hundred of a set is wrong. On damaged meshes nobody promises anything, and only the error counts.
+// called outside which are inside. An answer is right or wrong: there is no worst one. Points on the surface
+// belong to the mesh, a closed set; they enter the error of exact methods only, for others either answer is
+// right. Claims, on meshes that are whole: exact: no wrong answer. bounded: none on points that are farther
+// from the surface than eps = 32 · unit_roundoff<float> · (largest |coordinate| of the mesh and the point),
+// what float may leave of a ray or a distance. approximate: no single answer is promised, but no more than
+// one in a hundred of a set is wrong. On damaged meshes nobody promises anything, and only the error counts.
 #pragma once
 
 #include <span>

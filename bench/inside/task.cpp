@@ -78,8 +78,10 @@ std::vector<BlockSpec> InsideTask::blocks(Profile profile) const {
     return {{"icosphere", 1'000}, {"nested_shells", 1'000}, {"icosphere+hole_2", 1'000}};
   std::vector<BlockSpec> blocks;
   if (profile == Profile::quick)
-    blocks = {{"icosphere", 1'000},     {"icosphere", 10'000},     {"icosphere", 100'000},
-              {"nested_shells", 1'000}, {"nested_shells", 10'000}, {"torus_knot", 1'000},
+    blocks = {{"icosphere", 1'000},
+              {"icosphere", 10'000},
+              {"icosphere", 100'000},
+              {"nested_shells", 10'000},
               {"torus_knot", 10'000}};
   else
     for (const auto& recipe : datasets::recipes())
