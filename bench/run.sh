@@ -92,7 +92,8 @@ for task in "${tasks[@]}"; do
   fi
 done
 
-# What is not, hard cases and pictures, shares it: one job a core.
+# What is not, hard cases and pictures, shares it: one job a core, and one more, as some wait for a peer's time
+# to run out.
 hard_cases() {
   "$(program "$1")" --stress --rows "$out/$1.stress.jsonl" ${flags[@]+"${flags[@]}"} >"$out/$1.stress.log"
 }
@@ -102,10 +103,10 @@ draw_pictures() {
 codes=$(mktemp) || exit 2
 trap 'rm -f "$codes"' EXIT
 trap 'trap "" TERM; kill -TERM 0; exit 130' INT  # jobs in the background do not hear an interrupt
-say "Hard cases and pictures: $(nproc) at a time"
+say "Hard cases and pictures: $(($(nproc) + 1)) at a time"
 for job in hard_cases draw_pictures; do
   for task in "${tasks[@]}"; do
-    while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n; done
+    while [ "$(jobs -rp | wc -l)" -gt "$(nproc)" ]; do wait -n; done
     { "$job" "$task" 2> >(sed -u "s/^/$task, ${job#*_}: /" >&2); echo $? >>"$codes"; } &
   done
 done

@@ -37,11 +37,12 @@ std::string broken_limit(const Row& row, double tolerance) {
   return "";
 }
 
-/// Whether the claim holds for queries that were not measured. A bound by epsilon allows for errors, whether
-/// or not this sample has any.
+/// Whether the claim holds for queries that were not measured. A bound by epsilon, or by a grid's resolution,
+/// allows for errors, whether or not this sample has any.
 bool promises(const Row& row) {
   const bool by_epsilon = row.query_knobs.contains("epsilon") && row.query_knobs.at("epsilon") != 0;
-  return row.claim == Claim::exact || (row.claim == Claim::bounded && !by_epsilon);
+  const bool by_resolution = row.build_knobs.contains("resolution");
+  return row.claim == Claim::exact || (row.claim == Claim::bounded && !by_epsilon && !by_resolution);
 }
 
 /// Why a rung whose measured errors all meet the tolerance may not be advised; empty: it may.

@@ -104,6 +104,9 @@ void check_combinations(const Options& o) {
         "--pictures needs blocks of the task; it does not work with --input");
   never(o.stress && o.advise, "--advise and --stress exclude each other");
   never(o.stress && !o.pictures.empty(), "--pictures and --stress exclude each other");
+  if (o.stress && !o.context.own.empty())
+    throw UsageError(fmt::format("{} and --stress exclude each other: hard cases stand as they are",
+                                 o.context.own.begin()->first));
   never(o.scaling && (o.stress || o.advise || !o.input.empty() || !o.pictures.empty()),
         "--scaling stands alone: without --stress, --advise, --input and --pictures");
   never(o.advise && o.input.empty() && o.datasets.empty(),

@@ -232,6 +232,7 @@ class FieldBlock final : public Block {
                               certain->distance));
     }
     tally.write(e);
+    if (set == Set::uniform) e.max = e.p99 = std::nullopt;  // sides are right or wrong: no answer is worse
     e.extra = {
         {"distance_field_signs_wrong", sides ? share(wrong_sides, points_[set].size()) : Knobs(nullptr)},
         {"distance_field_bounded_points", told}};

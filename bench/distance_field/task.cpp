@@ -65,7 +65,7 @@ std::vector<BlockSpec> DistanceFieldTask::blocks(Profile profile) const {
     case Profile::smoke:
       return {{"icosphere", 1'000}};
     case Profile::quick:
-      return {{"icosphere", 100'000}, {"nested_shells", 100'000}, {"icosphere+hole_2", 10'000}};
+      return {{"icosphere", 100'000}, {"nested_shells", 10'000}, {"icosphere+hole_2", 10'000}};
     case Profile::full:
       break;
   }

@@ -72,7 +72,8 @@ std::vector<BlockSpec> KnnTask::blocks(Profile profile) const {
     case Profile::quick:
       add(cloud_names(), 100'000);
       add(charted_in_n, 10'000);
-      add(charted_in_n, 1'000'000);
+      add({"uniform_cube"}, 300'000);
+      add({"lidar"}, 1'000'000);
       break;
     case Profile::full:
       for (const std::size_t n : {10'000u, 100'000u, 1'000'000u}) add(cloud_names(), n);

@@ -85,7 +85,7 @@ std::vector<BlockSpec> KnnNdTask::blocks(Profile profile) const {
       return {{"descriptors_32", 2'000}, {"uniform_8", 1'000}};
     case Profile::quick:
       return {{"descriptors_8", 10'000},
-              {"descriptors_32", 100'000},
+              {"descriptors_32", 20'000},
               {"descriptors_128", 10'000},
               {"uniform_32", 10'000}};
     case Profile::full:

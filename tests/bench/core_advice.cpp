@@ -146,6 +146,15 @@ TEST(Advice, BelowTheFloorOnlyAClaimWillDo) {
   }
 }
 
+TEST(Advice, ABoundByResolutionPromisesNoExactAnswers) {
+  Row row = rung_row("m", "a", 1, 0);
+  row.claim = Claim::bounded;
+  EXPECT_EQ(chosen(advise(FakeTask(), {row}, {"a"}, 0)), "m");
+  row.build_knobs = {{"resolution", 64}};
+  EXPECT_EQ(chosen(advise(FakeTask(), {row}, {"a"}, 0)), "");
+  EXPECT_EQ(chosen(advise(FakeTask(), {row}, {"a"}, 1e-9)), "m");
+}
+
 TEST(Advice, ABoundByEpsilonPromisesNoExactAnswers) {
   Row row = rung_row("m", "a", 1, 0);
   row.claim = Claim::bounded, row.query_knobs = {{"epsilon", 0.5}};
