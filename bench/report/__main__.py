@@ -2,4 +2,4 @@ import sys
 
 from bench.report.report import main
 
-sys.exit(main())
+sys.exit(main(validate=False))

@@ -2,13 +2,13 @@
 
 The same rules as bench/core/advice.hpp and page/advice.js, on the query sets that Task::advise_on names: a cost is the sum
 over the query sets, and an error is held against the tolerance or the truth's own floor, whichever is larger. At a
-tolerance not above the floor, methods whose claim promises nothing about other queries, or only a bound by epsilon, are
-not advised. A test holds this file and the page to one answer.
+tolerance not above the floor, methods whose claim promises nothing about other queries, or only a bound by epsilon or by a
+grid's resolution, are not advised. A test holds this file and the page to one answer.
 """
 
 from dataclasses import dataclass
 
-from bench.report.frontier import promises
+from bench.report.frontier import floor_of, promises
 from bench.report.rows import knob_text
 
 METRICS = ("error", "error_max", "error_p99", "error_mean", "bias")  # in the order in which limits are tried
@@ -29,12 +29,12 @@ class Rung:
                 return row.query_set, row.status, None
             for metric in METRICS:
                 value = getattr(row, metric)
-                if value is not None and abs(value) > max(tolerance, row.error_floor or 0.0):
+                if value is not None and abs(value) > max(tolerance, floor_of(row)):
                     return row.query_set, metric, abs(value)
             if row.error is None:
                 return row.query_set, "nothing tells how far off its answers are", None
         for row in self.rows:
-            if not promises(row) and tolerance <= (row.error_floor or 0.0):
+            if not promises(row) and tolerance <= floor_of(row):
                 return row.query_set, f"its claim is {row.claim}", None
         return None
 

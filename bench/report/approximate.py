@@ -73,9 +73,9 @@ def summary(found):
     """One sentence over many rungs."""
     counts = {word: sum(r.verdict == word for r in found) for word in (BEYOND, ON, BEHIND)}
     ratios = [r.ratio for r in found if r.ratio]
-    text = f"{counts[BEYOND]} of {len(found)} lie beyond FLANN's frontier, {counts[ON]} on it, {counts[BEHIND]} behind"
+    text = f"{counts[BEYOND]} of {len(found)} {'lies' if counts[BEYOND] == 1 else 'lie'} beyond FLANN's frontier, {counts[ON]} on it, {counts[BEHIND]} behind"
     if ratios:
         text += (f"; at equal or better recall FLANN takes {mean(ratios):.1f} times as long (geometric mean; "
                  f"{min(ratios):.1f} at least)")  # fmt: skip
     alone = sum(r.rival is None for r in found)
-    return text + (f"; {alone} find more than any configuration of FLANN" if alone else "") + "."
+    return text + (f"; {alone} find{'s' if alone == 1 else ''} more than any configuration of FLANN" if alone else "") + "."

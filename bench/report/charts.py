@@ -2,13 +2,18 @@
 as static SVG and PNG, which carry their own.
 
 A point's fields: i (row), method, x, lo, hi (ns per query), y (pixel, from layout.py), front, promise (its claim holds
-for other queries, too), slot, n, note (why a lane without any is empty), build (ns per element), bytes and own (per
+for other queries, too), slot, n, note (why a lane without any is empty), axis (of a point that is none, but says what the
+error is), build (ns per element), bytes and own (per
 element: with the input that must stay, and without).
+
+Channels are objects throughout, alt.Text("name:N") and not text="name:N": Altair would look each text up among all classes
+of Vega-Lite.
 """
 
 from math import log10
 
 import altair as alt
+from altair.utils import schemapi
 
 DURATION = (
     "datum.value >= 1e9 ? format(datum.value / 1e9, '~g') + ' s' : "
@@ -24,12 +29,12 @@ WHOLE = "format(datum.value, datum.value < 1 ? '~g' : '~s')"  # of what has no t
 # edge count empty ones, too, and drop every other.)
 DIGITS = ((110, "['1.00']"), (150, "['1.00', '3.00']"), (300, "['1.00', '2.00', '5.00']"), (480, "['1.00', '2.00', '3.00', '5.00', '7.00']"),
           (None, "['1.00', '1.50', '2.00', '3.00', '4.00', '5.00', '7.00']"))  # fmt: skip
-NARROW = 1000  # pixels of a decade
+NARROW = {"x": 1000, "y": 3000}  # pixels of a decade
 
 
 def _decade(axis):
-    """How many pixels a decade has, as an expression; a label is a third as high as wide."""
-    length = "width" if axis == "x" else "(3 * height)"
+    """How many pixels a decade has, as an expression; a label is a quarter as high as wide."""
+    length = "width" if axis == "x" else "(4 * height)"
     return f"({length} * LN10 / log(domain('{axis}')[1] / domain('{axis}')[0]))"
 
 
@@ -38,19 +43,22 @@ def _round(axis):
     digits = "".join(f"{decade} < {most} ? {which} : " if most else which for most, which in DIGITS)
     every = f"({decade} < 24 ? 3 : {decade} < 46 ? 2 : 1)"
     off = f"({decade} < 46 && round(log(datum.value) / LN10) % {every} != 0)"
-    odd = f"{decade} < {NARROW} && ({off} || indexof({digits}, slice(format(datum.value, '.2e'), 0, 4)) < 0)"
+    odd = f"{decade} < {NARROW[axis]} && ({off} || indexof({digits}, slice(format(datum.value, '.2e'), 0, 4)) < 0)"
     cut = " || scale('x', datum.value) > width - 10" if axis == "x" else ""  # it would reach over the edge
     return f"({odd}{cut}) ? '' : "
 
 
 def _log_axis(axis, labels, title):
     few = f"ceil({'width / 60' if axis == 'x' else 'height / 20'})"
-    return alt.Axis(labelExpr=_round(axis) + labels, title=title, gridOpacity=0.5, labelBound=False, labelOverlap=False,
-                    tickCount=alt.expr(f"{_decade(axis)} < {NARROW} ? 30 : {few}"))  # fmt: skip
+    return alt.Axis(labelExpr=_round(axis) + labels, title=title, gridOpacity=0.5, labelBound=False,
+                    labelOverlap=alt.expr(f"{_decade(axis)} < {NARROW[axis]} ? false : 'greedy'"), labelSeparation=5,
+                    tickCount=alt.expr(f"{_decade(axis)} < {NARROW[axis]} ? 30 : {few}"))  # fmt: skip
 
 
+IDLE, NEARER = "unshadowed", 3  # does nothing in no time: it stands a third left of all others, not decades
+LANE_NAME = 150  # pixels for a method's name beside its lane
 DIM = 0.5
-UNPROMISED = "approximate; exact on this sample"
+UNPROMISED = "exact on this sample alone"
 LEAST = 0.1  # bytes per element, and ns of building: zero has no place on a logarithmic axis
 ZONES = {"failed": "#D55E00", "exact": "#009E73"}
 INK, FAINT, PAPER = "currentColor", "#8884", "var(--card)"
@@ -126,19 +134,29 @@ def _pick_param():
     return alt.param(name="pick", value="")
 
 
-def frontier_chart(data, layout, looks, element="query", error="error", legend=False, width="container"):
-    """Error against time, with the band of exact answers below and the rails of failures above."""
+def layered(*layers, **properties):
+    """These layers in one chart that knows the reader's pick. It is made at once: whatever is called on a chart copies all
+    of its layers."""
+    return alt.layer(*layers, params=[_pick_param().param], **properties)
+
+
+def frontier_chart(data, layout, looks, element="query", legend=False, width="container"):
+    """Error against time, with the band of exact answers below and the rails of failures above. What the error is, a
+    point of the data tells: {axis, y}."""
     ticks = layout.ticks()
     labels = "({" + ",".join(f"'{y:g}':'{text}'" for y, text in ticks.items()) + "})['' + datum.value]"
     scale = alt.Scale(domain=[0, layout.height], reverse=True, nice=False, zero=False)
-    axis = alt.Axis(values=list(ticks), labelExpr=labels, labelOverlap=False, labelLimit=120, title=None, ticks=False,
+    axis = alt.Axis(values=list(ticks), labelExpr=labels, labelOverlap=False, labelLimit=LANE_NAME, title=None, ticks=False,
                     domain=False, gridOpacity=0.5)  # fmt: skip
     y = alt.Y("y:Q", scale=scale, axis=axis)
     x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, padding=48),
               axis=_log_axis("x", DURATION, f"time per {element}, log"))  # fmt: skip
     zones = [{"zone": name, "from": top, "to": end} for name, top, end in layout.zones()]
     base = alt.Chart(data)
-    timed = base.transform_filter("isValid(datum.x)")
+    timed = base.transform_filter("isValid(datum.x)").transform_calculate(
+        ns="datum.x", asked_ns=f"datum.method == '{IDLE}' ? null : datum.x").transform_joinaggregate(
+        first="min(asked_ns)").transform_calculate(**{k: f"isValid(datum.first) ? max(datum.{k}, datum.first / {NEARER}) : datum.{k}"
+                                                      for k in ("x", "lo", "hi")})  # fmt: skip
     color, _ = _scales(looks)
     layers = []
     for zone in zones:
@@ -148,61 +166,66 @@ def frontier_chart(data, layout, looks, element="query", error="error", legend=F
                 n="count()").transform_filter("datum.n > 0").transform_calculate(
                 **{"from": f"{zone['from']}", "to": f"{zone['to']}", "y": f"{(zone['from'] + zone['to']) / 2}", "zone": "'failed'"})
         layers.append(ground.mark_rect(opacity=0.10, color=ZONES[zone["zone"]]).encode(
-            y=alt.Y("from:Q", scale=scale, axis=axis), y2="to:Q"))  # fmt: skip
+            y=alt.Y("from:Q", scale=scale, axis=axis), y2=alt.Y2("to:Q")))  # fmt: skip
         layers.append(ground.mark_text(align="left", x=alt.expr("width + 5"), fontSize=10, fontStyle="italic",
-                                       fill=INK).encode(y=y, text="zone:N"))  # fmt: skip
+                                       fill=INK).encode(y=y, text=alt.Text("zone:N")))  # fmt: skip
     layers += [
         timed.transform_filter("datum.front").mark_line(color=INK, strokeWidth=1.2, opacity=0.55,
                                                         interpolate="step-after")
         .encode(x=x, y=y, order=alt.Order("x:Q")),
         timed.mark_rule(strokeWidth=1.6, opacity=_pick(f"datum.front ? 0.9 : {DIM}"))
-        .encode(x=alt.X("lo:Q"), x2="hi:Q", y=y, stroke=alt.Stroke("method:N", scale=color, legend=_key(legend))),
+        .encode(x=alt.X("lo:Q"), x2=alt.X2("hi:Q"), y=y, stroke=alt.Stroke("method:N", scale=color, legend=_key(legend))),
         _points(timed, looks, legend, alt.expr("datum.front ? 80 : 40"), f"datum.front ? 1 : {DIM}").encode(x=x, y=y),
         _points(base.transform_filter("!isValid(datum.x) && isValid(datum.slot)"), looks, legend)
-        .encode(x=alt.value(alt.expr("width - 7 - 13 * datum.slot")), y=y),
+        .encode(x=alt.XValue(alt.expr("width - 7 - 13 * datum.slot")), y=y),
     ]  # fmt: skip
-    told = DURATION.replace("datum.value", "datum.x").replace("'~g'", "'.3~g'")
+    told = DURATION.replace("datum.value", "datum.ns").replace("'~g'", "'.3~g'")
     front = timed.transform_filter("datum.front").transform_calculate(time=told)
     lane = front.transform_filter(f"datum.y >= {layout.exact_start}")
-    layers += [layer.encode(x=x, y=y, text="time:N")
+    layers += [layer.encode(x=x, y=y, text=alt.Text("time:N"))
                for layer in _named(lane.transform_filter("datum.promise"), dx=9, dy=-7, fontWeight="bold")]  # fmt: skip
     by_luck = lane.transform_filter("!datum.promise").transform_calculate(note=f"datum.time + ', {UNPROMISED}'")
-    layers += [layer.encode(x=x, y=y, text="note:N") for layer in _named(by_luck, "0.85", dx=9, dy=-7, fontStyle="italic")]
+    layers += [layer.encode(x=x, y=y, text=alt.Text("note:N"))
+               for layer in _named(by_luck, "0.85", dx=9, dy=-7, fontStyle="italic")]  # fmt: skip
     empty = base.transform_filter("isValid(datum.note)")
-    layers.append(empty.mark_text(align="left", x=6, fontSize=9, fontStyle="italic", fill=INK, opacity=0.55)
-                  .encode(y=y, text="note:N"))  # fmt: skip
+    # At the slow end: labels of the frontier stand at the fast one.
+    layers.append(empty.mark_text(align="right", x=alt.expr("width - 6"), fontSize=9, fontStyle="italic", fill=INK, opacity=0.55)
+                  .encode(y=y, text=alt.Text("note:N")))  # fmt: skip
     if layout.field:
-        top, bottom, _, _ = layout.field
         # A name reaches over that of the next mark, where it is near (in pixels): then it is left to the tooltip.
         inexact = front.transform_filter(f"datum.y < {layout.exact_start}").transform_window(
             sort=[alt.SortField("x")], next_x="lead(x)", next_y="lead(y)")
         inexact = inexact.transform_filter(
             "!isValid(datum.next_x) || datum.next_x > 6 * datum.x || abs(datum.next_y - datum.y) > 16")
-        inexact = inexact.transform_calculate(  # fields at several resolutions are one method
-            name="datum.method + (datum.cells ? ' at ' + datum.cells : '') + ', ' + datum.time")
-        layers += [layer.encode(x=x, y=y, text="name:N") for layer in _named(inexact, "0.85", dx=8, dy=-8)]
-        notes = alt.Data(values=[{"y": (top + bottom) / 2, "text": error}])
-        layers.append(alt.Chart(notes).mark_text(angle=270, fontSize=11, fill=INK, x=-56).encode(y=y, text="text:N"))
-    chart = alt.layer(*layers).resolve_scale(color="independent", stroke="shared", shape="shared")
-    chart = chart.add_params(_pick_param()).properties(width=width, height=layout.height)
-    return chart
+        # One method in several places says by which knobs; fields, at which resolution.
+        inexact = inexact.transform_joinaggregate(of="count()", groupby=["method"]).transform_calculate(
+            name="(datum.ns < datum.x ? '◂ ' : '') + datum.method + (datum.cells ? ' at ' + datum.cells : datum.of > 1 && datum.asked ? ' (' + datum.asked + ')' : '')"
+                 " + ', ' + datum.time")  # fmt: skip
+        late = "scale('x', datum.x) + 5.3 * length(datum.name) > width + 10"  # it would reach over the edge
+        look = dict(align=alt.expr(f"{late} ? 'right' : 'left'"), dx=alt.expr(f"{late} ? -8 : 8"), dy=-8)
+        layers += [layer.encode(x=x, y=y, text=alt.Text("name:N")) for layer in _named(inexact, "0.85", **look)]
+        title = base.transform_filter("isValid(datum.axis)")
+        layers.append(title.mark_text(angle=270, fontSize=11, fill=INK, x=-56).encode(y=y, text=alt.Text("axis:N")))
+    scales = alt.ScaleResolveMap(color="independent", stroke="shared", shape="shared")
+    return layered(*layers, resolve=alt.Resolve(scale=scales), width=width, height=layout.height)
 
 
 def lanes_chart(data, field, title, methods, looks, legend=False, width="container"):
     """One figure of a build, a lane for each method."""
     scale = alt.Scale(type="log", nice=False, padding=10)
-    labels = DURATION if field == "build" else f"datum.value <= {LEAST} ? '≤ {LEAST}' : {WHOLE}"
+    unit, rest = (" ns", f"({DURATION})") if field == "build" else ("", WHOLE)
+    labels = f"datum.value <= {LEAST} ? '≤ {LEAST}{unit}' : {rest}"
     axis = _log_axis("x", labels, title)
     base = alt.Chart(data).transform_filter(f"isValid(datum.{field})")
     y = alt.Y("method:N", sort=list(methods), scale=alt.Scale(domain=list(methods)),
-              axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=120))  # fmt: skip
+              axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=LANE_NAME))  # fmt: skip
     chart = _points(base, looks, legend).encode(x=alt.X(f"{field}:Q", scale=scale, axis=axis), y=y)
     if field == "bytes":  # from what the index allocates to all that it needs
         color, _ = _scales(looks)
         own = base.mark_rule(strokeWidth=1.6, opacity=_pick("0.8")).encode(
-            x=alt.X("own:Q", scale=scale, axis=axis), x2="bytes:Q", y=y,
+            x=alt.X("own:Q", scale=scale, axis=axis), x2=alt.X2("bytes:Q"), y=y,
             stroke=alt.Stroke("method:N", scale=color, legend=_key(legend)))  # fmt: skip
-        chart = alt.layer(own, chart)
+        return layered(own, chart, width=width, height=alt.Step(13))
     return chart.add_params(_pick_param()).properties(width=width, height=alt.Step(13))
 
 
@@ -217,10 +240,9 @@ def scaling_chart(data, looks, element, query, legend=False, width="container", 
     line = base.mark_line(strokeWidth=1.4, opacity=_pick("0.8")).encode(
         x=x, y=y, stroke=alt.Stroke("method:N", scale=color, legend=_key(legend)))  # fmt: skip
     rule = base.mark_rule(strokeWidth=1.4, opacity=_pick("0.8")).encode(
-        x=x, y=alt.Y("lo:Q"), y2="hi:Q", stroke=alt.Stroke("method:N", scale=color, legend=_key(legend)))  # fmt: skip
+        x=x, y=alt.Y("lo:Q"), y2=alt.Y2("hi:Q"), stroke=alt.Stroke("method:N", scale=color, legend=_key(legend)))  # fmt: skip
     dots = _points(base, looks, legend).encode(x=x, y=y)
-    chart = alt.layer(line, rule, dots).add_params(_pick_param())
-    return chart.properties(width=width, height=height)
+    return layered(line, rule, dots, width=width, height=height)
 
 
 def speedup_chart(data, reach, methods, looks, legend=False, width="container"):
@@ -231,23 +253,29 @@ def speedup_chart(data, reach, methods, looks, legend=False, width="container"):
     x = alt.X("speedup:Q", scale=scale,
               axis=alt.Axis(title="times one thread's speed", tickMinStep=1, gridOpacity=0.5))  # fmt: skip
     y = alt.Y("method:N", sort=list(methods), scale=alt.Scale(domain=list(methods)),
-              axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=120))  # fmt: skip
+              axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=LANE_NAME))  # fmt: skip
     base = alt.Chart(data)
-    one = alt.Chart(alt.Data(values=[{"at": 1}])).mark_rule(color=INK, strokeDash=[3, 3], opacity=0.6).encode(x="at:Q")
+    one = alt.Chart(alt.Data(values=[{"at": 1}])).mark_rule(color=INK, strokeDash=[3, 3], opacity=0.6).encode(x=alt.X("at:Q"))
     spread = base.transform_filter("isValid(datum.lo)").mark_rule(strokeWidth=1.4, opacity=_pick("0.8")).encode(
-        x=alt.X("lo:Q", scale=scale), x2="hi:Q", y=y, stroke=alt.Stroke("method:N", scale=color, legend=_key(legend)))  # fmt: skip
-    named = [layer.encode(x=alt.X("end:Q", scale=scale), y=y, text="label:N") for layer in _named(base, "0.85", dx=8)]
-    chart = alt.layer(one, spread, _points(base, looks, legend).encode(x=x, y=y), *named)
-    return chart.add_params(_pick_param()).properties(width=width, height=alt.Step(15))
+        x=alt.X("lo:Q", scale=scale), x2=alt.X2("hi:Q"), y=y,
+        stroke=alt.Stroke("method:N", scale=color, legend=_key(legend)))  # fmt: skip
+    named = [layer.encode(x=alt.X("end:Q", scale=scale), y=y, text=alt.Text("label:N")) for layer in _named(base, "0.85", dx=8)]
+    dots = _points(base, looks, legend).encode(x=x, y=y)
+    return layered(one, spread, dots, *named, width=width, height=alt.Step(15))
 
 
 def theme(chart, background="transparent", font="system-ui, sans-serif"):
-    """Text and grid that read on light and dark alike."""
-    return (
-        chart.configure(background=background, font=font)
-        .configure_view(stroke=FAINT)
-        .configure_axis(labelColor=INK, titleColor=INK, gridColor=FAINT, domainColor=FAINT, tickColor=FAINT,
-                        labelFontSize=10, titleFontSize=11, titleFontWeight="normal")
-        .configure_legend(labelColor=INK, titleColor=INK)
-        .configure_title(color=INK, anchor="start", fontSize=13)
-    )  # fmt: skip
+    """Text and grid that read on light and dark alike. The chart itself is changed: each of its copies takes long."""
+    chart.config = alt.Config(
+        background=background, font=font,
+        view=alt.ViewConfig(stroke=FAINT),
+        axis=alt.AxisConfig(labelColor=INK, titleColor=INK, gridColor=FAINT, domainColor=FAINT, tickColor=FAINT,
+                            labelFontSize=10, titleFontSize=11, titleFontWeight="normal"),
+        legend=alt.LegendConfig(labelColor=INK, titleColor=INK),
+        title=alt.TitleConfig(color=INK, anchor="start", fontSize=13))  # fmt: skip
+    return chart
+
+
+def spec(chart, *look):
+    """The themed chart as Vega-Lite, validated unless Altair's debug mode is off."""
+    return theme(chart, *look).to_dict(validate=schemapi.DEBUG_MODE)

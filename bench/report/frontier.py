@@ -3,11 +3,19 @@
 from collections import defaultdict
 
 
+ROUNDING = 2.0**-24  # half a unit in the last place of single precision, in which answers are told
+
+
+def floor_of(row):
+    """The error below which answers cannot be told from right ones: the truth's own where the row states it."""
+    return ROUNDING if row.error_floor is None else row.error_floor
+
+
 def shown_error(row):
     """The error as charted: 0 means exact, as far as the truth can tell. None where none was measured."""
     if row.error is None:
         return None
-    return 0.0 if abs(row.error) <= (row.error_floor or 0.0) else abs(row.error)
+    return 0.0 if abs(row.error) <= floor_of(row) else abs(row.error)
 
 
 def charted(row):
@@ -16,9 +24,13 @@ def charted(row):
 
 
 def promises(row):
-    """Its claim holds for queries that were not measured. A bound by epsilon allows for errors, whether or not this
-    sample has any."""
-    return row.claim == "exact" or (row.claim == "bounded" and not (row.query_knobs or {}).get("epsilon"))
+    """Its claim holds for queries that were not measured, but for rounding. A bound by epsilon, or by the resolution of a
+    grid of samples, allows for errors of its own, whether or not this sample has any."""
+    return row.claim == "exact" or (row.claim == "bounded" and not _own_bound(row))
+
+
+def _own_bound(row):
+    return bool((row.query_knobs or {}).get("epsilon") or (row.build_knobs or {}).get("resolution"))
 
 
 def inaccuracy(row):

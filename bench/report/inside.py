@@ -12,8 +12,8 @@ alt = charts.alt
 ANSWERED = ("ok", "wrong")
 LEFT_OUT = "unsupported"  # the status of rows that a method leaves to others
 
-DAMAGE = """The share of wrong answers on one mesh damaged in one way after the other, against what is inside of it undamaged;
-the number is the per cent of the faces that were hit. No rule wins every column: rays count on closed surfaces, normals
+DAMAGE = """Of each method the per cent of wrong answers on one mesh damaged in one way after the other, against what is inside of
+it undamaged. The number behind a damage's name is another: the per cent of the faces that it hit. No rule wins every column: rays count on closed surfaces, normals
 on faces that look outward, winding numbers on most of them. ✓: none wrong among those asked; –: not asked, as a tree of a
 solid does not take such faces, or a sum over all faces so many."""
 
@@ -68,6 +68,8 @@ def _share(row):
     return f"{percent:.0f}" if percent >= 9.95 else f"{percent:.2g}"
 
 
+CELLS = ("#E6F4EE", "#D55E00")  # from none wrong to all
+ON_CELL = "#111"  # text on a cell, which is pale or orange in both themes
 HEAD = 45  # pixels by which the last column's slanting head reaches over the table
 
 
@@ -81,10 +83,11 @@ def _chart(found, numbers, width):
     x = alt.X("damage:N", sort=[d.replace("_", " ") for d in damages],
               axis=alt.Axis(title=None, orient="top", labelAngle=-30, ticks=False, domain=False))  # fmt: skip
     y = alt.Y("line:N", sort=lines, axis=alt.Axis(title=None, ticks=False, domain=False, labelLimit=320))
-    color = alt.Color("share:Q", legend=None, scale=alt.Scale(type="log", domain=[1e-4, 1], range=["#E6F4EE", "#D55E00"]))
-    base = alt.Chart(alt.Data(values=values)).encode(x=x, y=y)
-    cells = (base.transform_filter("isValid(datum.share)").mark_rect(stroke="white", strokeWidth=1.5)
-             .encode(color=color, tooltip=alt.Tooltip("i:Q")))  # fmt: skip
-    texts = base.mark_text(fontSize=10, fill=INK).encode(text="text:N")
-    return alt.layer(cells, texts).properties(width=width, height=alt.Step(20),
-                                            padding={"left": 5, "top": 5, "right": HEAD, "bottom": 5})
+    color = alt.Color("share:Q", legend=None, scale=alt.Scale(type="log", domain=[1e-4, 1], range=list(CELLS)))
+    base = alt.Chart(alt.Data(values=values)).encode(x=x, y=y, tooltip=alt.Tooltip("i:Q"))
+    cells = (base.transform_filter("isValid(datum.share)").mark_rect(stroke=charts.PAPER, strokeWidth=1.5)
+             .encode(color=color))  # fmt: skip
+    texts = base.mark_text(fontSize=10, fill=alt.expr(f"isValid(datum.share) ? '{ON_CELL}' : '{INK}'")).encode(
+        text=alt.Text("text:N"))  # fmt: skip
+    return alt.layer(cells, texts, width=width, height=alt.Step(20),
+                     padding={"left": 5, "top": 5, "right": HEAD, "bottom": 5})

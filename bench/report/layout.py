@@ -1,6 +1,6 @@
 """Where a row stands in the chart of its dataset, top to bottom:
 
-    failed   one rail for each status that says a method broke
+    failed   one rail for each status that says a method broke; below them one for what was timed and has no error
     error    the field, logarithmic; only if some answer was inexact
     exact    a band with one lane a method, for answers without any error that the truth could tell
 
@@ -17,6 +17,9 @@ RAIL, LANE, LANE_MOST, DECADE, GAP = 17, 14, 30, 22, 10  # pixels
 FIELD_LEAST, FIELD_MOST, WHOLE = 130, 260, 330
 
 
+RAILS = {"unjudged": "timed"}  # names of rails whose status does not tell; short, as the axis title stands beside them
+
+
 class Layout:
     """Of one dataset of one task, for all its sizes and query sets: a chart does not jump when they change."""
 
@@ -26,12 +29,13 @@ class Layout:
         exact = {r.method for r in rows if charted(r) and shown_error(r) == 0}
         statuses = {rail_of(r) for r in rows} - {None}
         y = 4
-        self.rails, self.lanes, self.field = {}, {}, None
+        self.rails, self.lanes, self.field, self.failed_end = {}, {}, None, y
         for status in (*FAILURES, "unjudged"):
             if status in statuses:
                 self.rails[status] = y + RAIL / 2
                 y += RAIL
-        self.rails_end = y
+            if status in FAILURES:
+                self.failed_end = y
         if errors:
             y += GAP if self.rails else 0
             low, high = floor(log10(min(errors))), ceil(log10(max(errors)))
@@ -63,9 +67,14 @@ class Layout:
         top, bottom, low, high = self.field
         return round(bottom - (exponent - low) / (high - low) * (bottom - top), 2)
 
+    @property
+    def middle(self):
+        """Of the field, where the axis title stands; None without one."""
+        return (self.field[0] + self.field[1]) / 2 if self.field else None
+
     def ticks(self):
         """Pixel → label, for the axis."""
-        found = {y: status.replace("_", " ") for status, y in self.rails.items()}
+        found = {y: RAILS.get(status, status.replace("_", " ")) for status, y in self.rails.items()}
         if self.field:
             _, _, low, high = self.field
             step = max(1, ceil((high - low) / 8))
@@ -76,8 +85,8 @@ class Layout:
 
     def zones(self):
         """Name, first and last pixel of each part that needs a background."""
-        if self.rails:
-            yield "failed", 4, self.rails_end
+        if self.failed_end > 4:
+            yield "failed", 4, self.failed_end
         if self.lanes:
             yield "exact", self.exact_start, self.height - 4
 
@@ -94,6 +103,8 @@ def lane_notes(layout, rows):
 def _why_empty(rows):
     if any(map(charted, rows)):
         return "not without error here"
+    if any(rail_of(r) == "unjudged" for r in rows):
+        return "timed alone: nothing to judge here"
     if failed := next((r.status for r in rows if r.failed), None):
         return failed.replace("_", " ") + " here"
     absent = next((r for r in rows if r.status in ABSENT), None)

@@ -19,7 +19,8 @@ some size: it holds only if; none does: it does not hold."""
 def section(rows):
     """The whole ledger."""
     verdicts = claims.ledger(list(rows))
-    shown = [v for v in verdicts if v.tasks & {r.task for r in rows}]
+    present = {r.task for r in rows}
+    shown = [v for v in verdicts if v.tasks & present]
     body, others = "".join(map(_claim, shown)), len(verdicts) - len(shown)
     if others:
         tasks = sorted(set().union(*(v.tasks for v in verdicts if v not in shown)))

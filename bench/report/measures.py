@@ -108,11 +108,13 @@ def exact_test(claim, rows):
     """
     lines, statements = [], []
     named = [claim["method"], *claim["beside"]]
+    by_case = defaultdict(list)
+    for row in rows:
+        if row.task == claim["task"]:
+            by_case[row.dataset, row.method].append(row)
     for case in claim["cases"]:
         for method in named:
-            for row in rows:
-                if (row.task, row.dataset, row.method) != (claim["task"], case, method):
-                    continue
+            for row in by_case[case, method]:
                 judged = row.extra.get(f"{row.task}_judged")  # none: it gave no answers
                 if row.query_set not in claim["query_sets"] or not judged:
                     continue

@@ -1,10 +1,11 @@
 """The data that the page carries: every row once, compact, and the specification of every chart."""
 
-from collections import Counter
+from collections import Counter, defaultdict
+from functools import cached_property
 
 from bench.report import charts, tasks
 from bench.report.advice import asked_sets
-from bench.report.frontier import charted, promises, shown_error
+from bench.report.frontier import charted, floor_of, promises, shown_error
 from bench.report.layout import NOTE_MOST, Layout, marks
 from bench.report.palette import looks
 from bench.report.rows import knob_text
@@ -14,7 +15,7 @@ TEXT = ("task", "dataset", "set", "method", "build", "query", "status", "reason"
 COLUMNS = TEXT + (
     "size", "n", "run", "threads", "ns", "lo", "hi", "cpu", "reps", "build_s", "bytes", "kept", "error", "error_max",
     "error_p99", "error_mean", "bias", "floor", "nodes", "leaves", "primitives", "recall", "front", "promise", "best",
-    "y", "slot", "advised",
+    "y", "slot", "advised", "built",
 )  # fmt: skip
 
 
@@ -28,14 +29,17 @@ class TaskModel:
         self.scaling = [r for r in rows if r.scaling]
         mine = {r.method for r in rows}
         self.looks = {m: look for m, look in (all_looks or looks(rows)).items() if m in mine}
-        self.datasets = list(dict.fromkeys(r.dataset for r in self.soft))
+        self.by_dataset = defaultdict(list)
+        for row in self.soft:
+            self.by_dataset[row.dataset].append(row)
+        self.datasets = list(self.by_dataset)
         self.query_sets = list(dict.fromkeys(r.query_set for r in self.soft if r.query_set))
         self.sizes = sorted({r.size for r in self.soft})
         self.runs = sorted({r.run for r in self.soft})
         self.threads = sorted({r.threads for r in self.soft if r.threads is not None})
         self.layouts = {d: Layout(self.of(d), self.looks) for d in self.datasets}
 
-    @property
+    @cached_property
     def telling_set(self):
         """The query set to show first: of those that advice asks about, the one in which most rows trade accuracy for
         speed."""
@@ -43,12 +47,11 @@ class TaskModel:
         return max(asked_sets(self.soft), key=lambda s: inexact[s], default=next(iter(self.query_sets), None))
 
     def of(self, dataset):
-        return [r for r in self.soft if r.dataset == dataset]
+        return self.by_dataset.get(dataset, [])
 
     def methods(self, dataset, figure):
-        return [
-            m for m in self.looks if any(r.method == m and getattr(r, figure) is not None for r in self.of(dataset))
-        ]
+        known = {r.method for r in self.of(dataset) if getattr(r, figure) is not None}
+        return [m for m in self.looks if m in known]
 
 
 def task_models(rows):
@@ -73,10 +76,10 @@ def chart_list(task):
         rows = task.of(dataset)
         layout = task.layouts[dataset]
         if any(layout.y(r) is not None for r in rows):
-            chart = charts.frontier_chart(data, layout, task.looks, text.query, text.error)
+            chart = charts.frontier_chart(data, layout, task.looks, text.query)
             yield f"{task.name}-{k}-frontier", "frontier", dataset, chart
         if methods := task.methods(dataset, "build_s"):
-            chart = charts.lanes_chart(data, "build", f"build time per {text.element}, log", methods, task.looks)
+            chart = charts.lanes_chart(data, "build", build_title(task), methods, task.looks)
             yield f"{task.name}-{k}-build", "build", dataset, chart
         if methods := task.methods(dataset, "bytes"):
             chart = charts.lanes_chart(data, "bytes", bytes_title(task), methods, task.looks)
@@ -99,6 +102,28 @@ def work(row):
 def kept(row):
     """Bytes of the user's own data that must stay beside the index; None where that is not known."""
     return row.values.get("input_bytes")
+
+
+def _build_of(row):
+    return row.run, row.threads, row.block, row.method, knob_text(row.build_knobs)
+
+
+def built_again(task):
+    """{a build: ns per element} of the query set that makes the structure anew, repeated and in memory of its own: a build
+    that is timed once pays for the first touch of its memory, too. A query of that set is an element."""
+    return {_build_of(r): r.query_ns for r in task.soft if r.query_set == "build" and r.status == "ok" and r.query_ns}
+
+
+def built(row, again):
+    """ns per element of a row's build, or None."""
+    if row.build_s is None or not row.n:
+        return None
+    return again.get(_build_of(row), row.build_s * 1e9 / row.n)
+
+
+def build_title(task):
+    title = f"build time per {task.text.element}, log"
+    return [title, "made anew in its own memory, where that was measured"] if built_again(task) else title
 
 
 APART = ("recall", "leaves")  # figures of tasks that have a place of their own
@@ -131,6 +156,7 @@ def table(models):
     """Every row of the charts, as lists in the order of COLUMNS; texts are indices into `strings`."""
     strings, lines = {}, []
     for task in models:
+        again = built_again(task)
         front, best, slots = marks(task.soft)
         for r in (*task.soft, *task.scaling):
             nodes, primitives = work(r)
@@ -139,8 +165,9 @@ def table(models):
             lines.append([strings.setdefault(t, len(strings)) for t in texts] + [
                 r.size, r.n, r.run, r.threads, r.query_ns, r.query_ns_low, r.query_ns_high, r.query_cpu_ns,
                 len(r.samples or ()), r.build_s, r.bytes, kept(r), r.error, r.error_max, r.error_p99, r.error_mean, r.bias,
-                r.error_floor, nodes, extra(r, "leaves"), primitives, extra(r, "recall"), int(id(r) in front),
+                floor_of(r), nodes, extra(r, "leaves"), primitives, extra(r, "recall"), int(id(r) in front),
                 int(promises(r)), int(id(r) in best), y_of(task, r), slots.get(id(r)), int(bool(r.values.get("advised"))),
+                built(r, again),
             ])  # fmt: skip
     return {
         "columns": COLUMNS,
@@ -155,14 +182,17 @@ def table(models):
 def points(task, rows):
     """The points of some rows, as the charts read them; page/data.js does the same."""
     front, best, slots = marks(task.soft)
+    again = built_again(task)
     for i, r in enumerate(rows):
+        ns = built(r, again)
         yield {
             "i": i, "method": r.method, "x": r.query_ns,
             "lo": r.query_ns if r.query_ns_low is None else r.query_ns_low,
             "hi": r.query_ns if r.query_ns_high is None else r.query_ns_high,
             "y": task.layouts[r.dataset].y(r), "front": id(r) in front, "promise": promises(r), "best": id(r) in best,
             "slot": slots.get(id(r)), "n": r.n, "cells": (r.build_knobs or {}).get("resolution"),
-            "build": max(r.build_s * 1e9 / r.n, charts.LEAST) if r.build_s is not None and r.n else None,
+            "asked": knob_text(r.query_knobs),
+            "build": None if ns is None else max(ns, charts.LEAST),
             "bytes": max((r.bytes + (kept(r) or 0)) / r.n, charts.LEAST) if r.bytes is not None and r.n else None,
             "own": max(r.bytes / r.n, charts.LEAST) if r.bytes is not None and r.n else None,
         }  # fmt: skip

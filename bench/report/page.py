@@ -6,7 +6,7 @@ from pathlib import Path
 import vl_convert
 from jinja2 import Environment
 
-from bench.report import busy, charts, closest, inside, ledger, model, pieces, rays, series, shadows, surfaces, theory, transport
+from bench.report import busy, charts, closest, inside, ledger, model, pieces, rays, series, shadows, surfaces, theory, told, transport
 from bench.report.pieces import esc
 from bench.report.units import count
 
@@ -26,18 +26,19 @@ def build(rows, pictures, title="Treeline: speed against accuracy"):
                  *transport.cards(task, numbers), *theory.cards(task, numbers)]
         listed = list(model.chart_list(task))
         for name, kind, dataset, chart in listed:
-            entry = {"id": name, "kind": kind, "task": task.name, "dataset": dataset, "spec": charts.theme(chart).to_dict()}
+            entry = {"id": name, "kind": kind, "task": task.name, "dataset": dataset, "spec": charts.spec(chart)}
             if kind == "frontier":
-                entry["lanes"] = task.layouts[dataset].lanes
+                entry["lanes"], entry["middle"] = task.layouts[dataset].lanes, task.layouts[dataset].middle
             data["charts"].append(entry)
         for figure in (f for card in cards for f in card.figures):
             data["charts"].append({"id": figure.name, "kind": "fixed", "task": task.name, "dataset": figure.dataset,
-                                   "title": figure.title, "spec": charts.theme(figure.chart).to_dict()})  # fmt: skip
+                                   "title": figure.title, "spec": charts.spec(figure.chart)})  # fmt: skip
         fixed = list(rays.chart_list(task))
         for name, heading, _, chart in fixed:
             data["charts"].append({"id": name, "kind": "fixed", "task": task.name, "dataset": "", "title": heading,
-                                   "spec": charts.theme(chart).to_dict()})  # fmt: skip
+                                   "spec": charts.spec(chart)})  # fmt: skip
         data["tasks"][task.name] = {"element": task.text.element, "queryWord": task.text.query,
+                                    "error": task.text.error, "errors": dict(task.text.errors),
                                     "runs": task.runs or [0], "threads": task.threads or [None]}  # fmt: skip
         mine = [p for p in pictures if p.task == task.name]
         sections.append(_section(task, rows, listed, fixed, mine, cards))
@@ -130,16 +131,18 @@ def _head(rows):
 
 
 READING = """<details><summary>How to read a chart</summary><ul>
-<li>Left is faster, down is more accurate; both axes are logarithmic. One mark is one configuration of one method.
+<li>Left is faster, down is more accurate; both axes are logarithmic. One mark is one configuration of one method;
+◂ one that does nothing, and is faster still than where it stands.
 The line is the <b>frontier</b>: no other configuration is both faster and more accurate. Marks off the frontier are
 dim.</li>
 <li>Answers without any error beyond the rounding of single precision (6e-8 for rays, 3e-7 for distances: the
 floor in the table of figures) stand in the <b>exact</b> band below, a lane for each method. Where one configuration beats
-all others in both, the frontier is a single mark and there is nothing to trade. A method that stands there though it
-claims to be approximate had no error <i>on this sample</i>; it never beats one that promises none.
+all others in both, the frontier is a single mark and there is nothing to trade. A method that stands there though its
+claim allows for errors had none <i>on this sample</i>; it never beats one that promises none.
 Configurations that broke stand on a rail of their own on top; one that never got to a time stands at its right
-end.</li>
-<li>Claims: <b>exact</b> methods err by rounding only; <b>bounded</b> ones within a stated bound; <b>approximate</b>
+end. What was timed alone, as builds are, has no error: its rail is below those.</li>
+<li>Claims: <b>exact</b> methods err by rounding only; <b>bounded</b> ones within a stated bound,
+that of rounding or, where a knob is called epsilon or resolution, one of their own; <b>approximate</b>
 ones promise nothing, and their errors are shown without being called wrong.</li>
 <li>A mark's horizontal line is the interval of the repetitions, the mark their median. Where two intervals overlap, do
 not call a winner.</li>
@@ -148,14 +151,15 @@ peers hollow; colour and shape both tell the method.</li>
 <li>Times are compared within one run on one machine only.</li></ul></details>"""
 
 
-def _meaning(text):
+def _meaning(name, text):
     """What the query sets ask, what the error is, and what names of methods leave open."""
     if not text.meaning:
         return ""
-    parts = [f"<details><summary>What is asked, and what the error means</summary>{_listed(text.query_sets)}"
-             f"<p>{esc(text.meaning)} Charted is the mean over queries.</p></details>"]  # fmt: skip
-    if text.methods:
-        parts.append(f"<details><summary>What the methods do</summary>{_listed(text.methods)}</details>")
+    sets, methods = text.query_sets + told.QUERY_SETS.get(name, ()), text.methods + told.METHODS.get(name, ())
+    parts = [f"<details><summary>What is asked, and what the error means</summary>{_listed(sets)}"
+             f"<p>{esc(text.meaning)}{' Charted is the mean over queries.' if text.mean else ''}</p></details>"]  # fmt: skip
+    if methods:
+        parts.append(f"<details><summary>What the methods do</summary>{_listed(methods)}</details>")
     return "".join(parts)
 
 
@@ -166,8 +170,8 @@ def _listed(pairs):
 
 def _busy(rows):
     """A warning where the machine had other work while it measured."""
-    told = busy.warning(rows)
-    return f'<p class="note warning"><b>The machine was busy:</b> {esc(told)}</p>' if told else ""
+    words = busy.warning(rows)
+    return f'<p class="note warning"><b>The machine was busy:</b> {esc(words)}</p>' if words else ""
 
 
 def _section(task, rows, listed, fixed, pictures, cards):
@@ -175,7 +179,7 @@ def _section(task, rows, listed, fixed, pictures, cards):
     blocks = [
         f'<section id="{name}"><h2>{esc(text.title)}</h2>',
         f"<p>{esc(text.question)}</p>" if text.question else "",
-        _meaning(text),
+        _meaning(name, text),
     ]
     tables = "".join((f"<h4>{esc(_run_name(rows, r))}</h4>" if len(task.runs) > 1 else "") + pieces.winners_table(task, r)
                      for r in task.runs)  # fmt: skip
@@ -226,11 +230,15 @@ def _toolbar(task, rows):
             + f"</div>{pieces.legend(task)}</div>")  # fmt: skip
 
 
+MANY = 12  # lanes, from which on the charts of builds are higher than that beside them
+
+
 def _card(task, k, dataset, listed):
     boxes = "".join(f'<div class="chart {kind}"><h4>{CARD[kind]}</h4><div id="{name}" class="plot"></div></div>'
                     for name, kind in listed)  # fmt: skip
+    what, many = told.dataset(dataset), " many" if len(task.methods(dataset, "build_s")) > MANY else ""
     return (f'<article class="card" id="{task.name}-{k}" data-task="{task.name}" data-dataset="{esc(dataset)}">'
-            f'<h3>{esc(dataset)} <small class="size"></small></h3><div class="grid">{boxes}</div>'
+            f'<h3>{esc(dataset)} <small class="size"></small>{f" <small>({esc(what)})</small>" if what else ""}</h3><div class="grid{many}">{boxes}</div>'
             f'{pieces.rungs(task, dataset)}<p class="absent"></p><details class="all"><summary>Table of all figures</summary>'
             '<div class="scroll figures"></div>'
             "</details></article>")  # fmt: skip

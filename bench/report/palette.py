@@ -1,6 +1,6 @@
-"""Colour and shape of each method: filled ones are ours, hollow ones peers. Beyond that, no two share both while shapes last.
+"""Colour and shape of each method: filled ones are ours, hollow ones peers. Beyond that, no two methods of a task share both.
 
-The colour is that of the family (of our trees) or of the library (of peers), in every task and every report; methods
+A method looks the same in every task that has it. The colour is that of the family (of our trees) or of the library (of peers), in every task and every report; methods
 of one colour differ in shape. Colours are Okabe and Ito's, which the colour-blind can tell apart (yellow left out: too
 pale on white). `currentColor` is black on a light page and white on a dark one.
 """
@@ -17,6 +17,13 @@ PLAIN = {"brute": "circle", "kd_tree": "square", "bsp_tree": "triangle-up", "bvh
 HEXAGON = "M0,-1L0.87,-0.5L0.87,0.5L0,1L-0.87,0.5L-0.87,-0.5Z"
 STAR = "M0,-1L0.25,-0.3L1,-0.3L0.4,0.1L0.6,0.85L0,0.4L-0.6,0.85L-0.4,0.1L-1,-0.3L-0.25,-0.3Z"
 BOWTIE = "M-0.9,-0.8L0.9,0.8L0.9,-0.8L-0.9,0.8Z"
+HOURGLASS = "M-0.8,-0.9L0.8,0.9L-0.8,0.9L0.8,-0.9Z"
+SALTIRE = "M-0.9,-0.5L-0.5,-0.9L0,-0.4L0.5,-0.9L0.9,-0.5L0.4,0L0.9,0.5L0.5,0.9L0,0.4L-0.5,0.9L-0.9,0.5L-0.4,0Z"
+CHEVRON = "M0,-0.9L0.95,0.1V0.9L0,0L-0.95,0.9V0.1Z"
+HALF = "M-1,0.5A1,1,0,0,1,1,0.5Z"
+BAR = "M-1,-0.4H1V0.4H-1Z"
+PILLAR = "M-0.4,-1H0.4V1H-0.4Z"
+CORNER = "M-0.85,-0.85H-0.1V0.1H0.85V0.85H-0.85Z"
 # A shape's outline in a box of -1..1, as SVG draws it in the legend; Vega knows the first by their names.
 SHAPES = {
     "circle": "M1,0A1,1,0,1,1,-1,0A1,1,0,1,1,1,0Z",
@@ -30,6 +37,13 @@ SHAPES = {
     "triangle-right": "M0.95,0L-0.75,0.95V-0.95Z",
     BOWTIE: BOWTIE,
     "triangle-left": "M-0.95,0L0.75,0.95V-0.95Z",
+    HOURGLASS: HOURGLASS,
+    SALTIRE: SALTIRE,
+    CHEVRON: CHEVRON,
+    HALF: HALF,
+    BAR: BAR,
+    PILLAR: PILLAR,
+    CORNER: CORNER,
 }
 
 
@@ -71,18 +85,23 @@ def _wanted(method, source, family):
 
 
 def looks(rows):
-    """Method → look, ours first, each group in order of appearance; no two methods of a group look alike."""
-    seen = {}
+    """Method → look, ours first, each group in order of appearance. What no two methods of one task may share, methods
+    that never meet in a task may: all tasks together have more methods than there are looks."""
+    seen, tasks, met = {}, {}, {}
     for row in rows:
         seen.setdefault(row.method, (row.source, row.family or ""))
-    shapes, taken = {}, {}
+        tasks.setdefault(row.method, set()).add(row.task)
+        met.setdefault(row.task, set()).add(row.method)
+    shapes = {}
     for source in ("ours", "peer"):
-        mine = taken[source] = set()
-        # In the order of their names, not of their rows; the textbook's have the first choice.
-        for method in sorted((m for m, (s, _) in seen.items() if s == source), key=lambda m: (m not in PLAIN, m)):
+        # In the order of their names, not of their rows; the textbook's have the first choice, then those of most tasks.
+        for method in sorted((m for m, (s, _) in seen.items() if s == source), key=lambda m: (m not in PLAIN, -len(tasks[m]), m)):
             wanted = _wanted(method, source, seen[method][1])
-            # A shape that only the other group has in this colour is better than another colour.
-            shapes[method] = min(wanted, key=lambda w: (w in mine, w[0] != wanted[0][0], w in taken["ours"]))
-            mine.add(shapes[method])
+            beside = set().union(*(met[task] for task in tasks[method])) & shapes.keys()
+            mine, theirs = ({shapes[m] for m in beside if (seen[m][0] == source) is same} for same in (True, False))
+            drawn, every = {shape for _, shape in mine | theirs}, set(shapes.values())
+            # A shape that only the other group has in this colour is better than another colour; best is one of its own,
+            # as orange and vermilion are near.
+            shapes[method] = min(wanted, key=lambda w: (w in mine, w[0] != wanted[0][0], w in theirs, w[1] in drawn, w in every))
     ours_first = sorted(seen, key=lambda m: seen[m][0] != "ours")
     return {m: Look(m, *seen[m], *shapes[m]) for m in ours_first}

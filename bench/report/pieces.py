@@ -62,7 +62,8 @@ def winners_table(task, run):
             f'<tbody>{"".join(lines)}</tbody></table></div><p class="note">{foot + "." if foot else ""} Each cell: the fastest '
             "exact method at the largest size, and how many times faster our best is than the best exact peer in the same "
             "run; ~ where the intervals of the repetitions overlap or there was only one. Exact is, of ours and of peers "
-            "alike, who promises it (claim exact, or bounded by rounding) and kept to it here, up to a mean error of 1e-6, "
+            "alike, who promises it (claim exact, or bounded by rounding alone, not by epsilon or by a grid's resolution) and "
+            "kept to it here, up to a mean error of 1e-6, "
             f"which is what single precision leaves. Approximate methods are in the charts, and win nothing here.{left_out}{lucky}</p>")  # fmt: skip
 
 
@@ -77,8 +78,9 @@ def _winner(task, k, query_set, w):
         kind = "even" if not w.clear else "ours" if w.ratio > 1 else "peer"
     beside = ""
     if w.beside_lucky:
-        beside = f"<br><small class=beside>[{w.beside_lucky:.2f}× {_breakable(w.lucky.method)}]</small>"
-        kind = "even" if kind == "ours" and w.beside_lucky <= 1 else kind
+        sure = "" if w.clear_beside else " ~"
+        beside = f"<br><small class=beside>[{w.beside_lucky:.2f}×{sure} {_breakable(w.lucky.method)}]</small>"
+        kind = "even" if kind == "ours" and (w.beside_lucky <= 1 or sure) else kind
     return (f'<td class="{kind}"><a href="#{task.name}-{k}" data-task="{task.name}" data-set="{esc(query_set or "")}">'
             f"{glyph(task.looks[best.method])} {_breakable(best.method)}</a><br><span>{duration(best.query_ns)}</span> "
             f"<small>{note}</small>{beside}</td>")  # fmt: skip
@@ -168,6 +170,10 @@ KINDS = {"work": "work: nodes and triangles that queries visit", "slice": "slice
 PANELS = ("work", "leaks", "filtered", "shadow", "strip", "light")
 
 
+SCALE = ('<p class="note">Errors are drawn by their root, so that small ones show: a quarter of the light is half of the '
+         "colour. Dark blue, in the images and below them, is not asked about.</p>")  # fmt: skip
+
+
 def gallery(pictures):
     """Figures by kind."""
     parts = []
@@ -178,7 +184,8 @@ def gallery(pictures):
             f'<small>{esc(", ".join(filter(None, (p.dataset, p.method))))}</small>'
             f'{"<br>" + esc(p.caption) if p.caption else ""}</figcaption></figure>'
             for p in pictures if p.kind == kind)  # fmt: skip
-        parts.append(f"<h4>{esc(KINDS.get(kind, kind.replace('_', ' ')))}</h4><div class=gallery>{figures}</div>")
+        note = SCALE if kind == "strip" and any(p.task == "shadow" for p in pictures) else ""
+        parts.append(f"<h4>{esc(KINDS.get(kind, kind.replace('_', ' ')))}</h4>{note}<div class=gallery>{figures}</div>")
     return "".join(parts)
 
 

@@ -157,7 +157,7 @@ def offset_chart(task, width="container"):
     dots = base.mark_point(strokeWidth=1.6, size=50).encode(
         shape=alt.Shape("line:N", scale=shape, legend=key),
         tooltip=[alt.Tooltip("line:N", title="methods"), alt.Tooltip("hits:Q", format=",.0f", title="per million")])  # fmt: skip
-    return alt.layer(base.mark_line(strokeWidth=1.4), dots).properties(width=width, height=260)
+    return alt.layer(base.mark_line(strokeWidth=1.4), dots, width=width, height=260)
 
 
 def offset_note(task):
@@ -281,19 +281,20 @@ def moving_chart(task, width="container"):
     base = alt.Chart(alt.Data(values=values)).encode(
         x=alt.X("frame:Q", scale=alt.Scale(type="log", base=2, nice=False, padding=14),
                 axis=alt.Axis(title="frames after the build, log", values=frames, format="d", gridOpacity=0.5)),
-        stroke=alt.Stroke("method:N", scale=color, legend=key), detail="line:N")  # fmt: skip
+        stroke=alt.Stroke("method:N", scale=color, legend=key), detail=alt.Detail("line:N"))  # fmt: skip
     y = alt.Axis(title="time per ray", labelExpr=charts.DURATION, tickCount=6, gridOpacity=0.5)
     scale = alt.Scale(zero=True)
     line = base.mark_line(strokeWidth=1.6).encode(
         y=alt.Y("ns:Q", axis=y, scale=scale),
         strokeDash=alt.StrokeDash("kind:N", legend=dashed, sort=None,
                                   scale=alt.Scale(domain=list(KINDS.values()), range=[[1, 0], [5, 3]])))  # fmt: skip
-    rule = base.mark_rule(strokeWidth=1.2).encode(y=alt.Y("lo:Q", axis=y, scale=scale), y2="hi:Q")
+    rule = base.mark_rule(strokeWidth=1.2).encode(y=alt.Y("lo:Q", axis=y, scale=scale), y2=alt.Y2("hi:Q"))
     tooltip = [alt.Tooltip("line:N", title="method"), alt.Tooltip("knobs:N", title="built with"),
                alt.Tooltip("frame:Q"), alt.Tooltip("ns:Q", title="ns a ray", format=",.0f")]  # fmt: skip
-    dots = base.mark_point(size=44, strokeWidth=1.6, fill="transparent").encode(
-        y=alt.Y("ns:Q", axis=y, scale=scale), shape=alt.Shape("method:N", scale=shape, legend=key), tooltip=tooltip)
-    return alt.layer(line, rule, dots).properties(width=width, height=240)
+    dots = base.mark_point(size=44, strokeWidth=1.6, opacity=1).encode(
+        y=alt.Y("ns:Q", axis=y, scale=scale), shape=alt.Shape("method:N", scale=shape, legend=key),
+        fill=alt.Fill("method:N", scale=charts._fills(looks), legend=key), tooltip=tooltip)
+    return alt.layer(line, rule, dots, width=width, height=240)
 
 
 def chart_list(task):

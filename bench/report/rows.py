@@ -7,6 +7,7 @@ with a warning. Rows are merged by concatenation: a cell measured twice in one r
 import json
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 SCHEMA = 1
@@ -29,6 +30,7 @@ FIELDS = {
     "error_mean": (NUMBER, True), "bias": (NUMBER, True), "error_floor": (NUMBER, True), "isa": (str, True),
     "flags": (str, True), "compiler": (str, True), "cpu": (str, True), "host": (str, True), "commit": (str, True),
 }  # fmt: skip
+WORST_IS_ONE = {("inside", None), ("distance_field", "uniform"), ("distance_field", "trace")}  # (task, set or all)
 RUN_FIELDS = ("host", "cpu", "isa", "compiler", "commit", "seed")
 
 
@@ -43,6 +45,11 @@ class Row:
     line: int = 0
     run: int = 0  # index into Rows.runs: rows of one run share machine, build and seed
     extra: dict = field(default_factory=dict)  # the task's own fields
+
+    def __post_init__(self):
+        self.__dict__.update({name: self.values[name] for name in FIELDS})  # plain attributes: they are read by the million
+        if not WORST_IS_ONE.isdisjoint({(self.task, None), (self.task, self.query_set)}):
+            self.error_max = None  # a wrong answer counts 1: the worst, which older rows state, says no more than the share
 
     def __getattr__(self, name):
         try:
@@ -74,7 +81,7 @@ class Row:
         """Rows of one group answered the same queries on the same machine: only these are compared."""
         return (self.run, self.task, self.block, self.dataset_hash, self.query_set, self.threads)
 
-    @property
+    @cached_property
     def configuration(self):
         return (self.method, knob_text(self.build_knobs), knob_text(self.query_knobs))
 
@@ -149,8 +156,8 @@ def read(paths):
                     continue
                 raise RowError(f"{where}: not JSON: {error}") from None
             check(values, where)
-            row = Row(values, str(path), number)
-            row.extra = {k: v for k, v in values.items() if k.startswith(row.task + "_")}
+            own = values["task"] + "_"
+            row = Row(values, str(path), number, extra={k: v for k, v in values.items() if k.startswith(own)})
             run = tuple(values[name] for name in RUN_FIELDS)
             key = (run,) + row.key
             if key in found:

@@ -43,15 +43,16 @@ def cards(task, numbers, width="container", legend=False):
 
 # ---- threads -----------------------------------------------------------------------------------------------------
 
-THREADS = """Each method's fastest right configuration on one thread, and how many times faster the same configuration is
-on several: every method's queries are shared out alike, over {queries}; builds are shared out by those that offer it.
-A mark on the dashed line gained nothing. Lines span what the repetitions' intervals allow; a build has none. Marks are
-labelled with their threads."""
+BUILD = "build_threads"  # the set of builds that were repeated
+THREADS = """Each method's fastest right configuration on one thread (its fastest, where nothing is right or wrong), and
+how many times faster the same is on {threads}: every method's queries are shared out alike, {queries} of them; builds are
+shared out by those that offer it. A mark on the dashed line gained nothing. Lines span what the repetitions' intervals allow;
+a build that was timed once has none."""
 
 
 def _threads(task, numbers, width, legend):
     rows = [r for r in task.scaling if r.run == task.scaling[0].run]
-    most = max((r.threads for r in rows), default=1)
+    most, many = max((r.threads for r in rows), default=1), len({r.threads for r in rows} - {1}) > 1
     if most < 2:
         return None
     figures = []
@@ -61,10 +62,13 @@ def _threads(task, numbers, width, legend):
         here = [r for r in of_dataset if r.size == size]
         where = f"{dataset}, {several(size, task.text.element)}"
         for query_set in dict.fromkeys(r.query_set for r in here):
-            values = _speedups([r for r in here if r.query_set == query_set], numbers, "query_ns")
+            values = _speedups([r for r in here if r.query_set == query_set], numbers, "query_ns", many)
             figures.append((f"{query_set.removesuffix('_threads')}: {where}", dataset, query_set, values))
-        figures.append((f"build: {where}", dataset, "build", _speedups(here, numbers, "build_s")))
-    asked = ", ".join(dict.fromkeys(f"{r.queries:,} queries" for r in rows if r.queries))
+        if not any(r.query_set == BUILD for r in here):  # that set repeats what other rows tell once
+            figures.append((f"build: {where}", dataset, "build", _speedups(here, numbers, "build_s", many)))
+    asked = sorted({r.queries for r in rows if r.queries and r.query_set != BUILD})
+    asked = " to ".join(f"{n:,}" for n in dict.fromkeys((asked[:1] + asked[-1:]))) or "some"
+    on = "several, whose number stands beside its mark" if many else f"{most} threads"
     out = []
     for title, dataset, what, values in figures:
         if values:
@@ -73,7 +77,7 @@ def _threads(task, numbers, width, legend):
             reach = max(most, *(v["end"] for v in values))
             chart = charts.speedup_chart(alt.Data(values=values), reach, methods, looks, legend, width)
             out.append(Figure(f"{task.name}-threads-{dataset}-{what}", title, dataset, chart))
-    return Card(f"{task.name}-card-threads", "Threads", THREADS.format(queries=asked), out)
+    return Card(f"{task.name}-card-threads", "Threads", THREADS.format(queries=asked, threads=on), out)
 
 
 def speedups(rows, figure):
@@ -81,7 +85,8 @@ def speedups(rows, figure):
     found = []
     for method in dict.fromkeys(r.method for r in rows):
         mine = [r for r in rows if r.method == method and getattr(r, figure) is not None and r.status == "ok"]
-        alone = [r for r in mine if r.threads == 1 and right(r)]
+        alone = [r for r in mine if r.threads == 1]
+        alone = [r for r in alone if right(r)] or alone  # builds have no error, and noise is neither right nor wrong
         if not alone:
             continue
         first = min(alone, key=lambda r: getattr(r, figure))
@@ -97,12 +102,11 @@ def speedups(rows, figure):
     return found
 
 
-def _speedups(rows, numbers, figure):
-    found = speedups(rows, figure)
-    several = len({r.threads for r, *_ in found}) > 1
+def _speedups(rows, numbers, figure, many):
+    """many: thread counts above one, so that labels must tell which."""
     return [{"i": numbers[id(r)], "method": r.method, "speedup": times, "lo": low, "hi": high,
-             "end": high or times, "label": f"{times:.2f}×" + (f" on {r.threads}" if several else "")}
-            for r, times, low, high in found]  # fmt: skip
+             "end": high or times, "label": f"{times:.2f}×" + (f" on {r.threads}" if many else "")}
+            for r, times, low, high in speedups(rows, figure)]  # fmt: skip
 
 
 # ---- batches -----------------------------------------------------------------------------------------------------

@@ -13,13 +13,18 @@ RAYS = 16  # samples a pixel that a player of today can afford
 SOBOL_AT_16 = 0.30 * RAYS**-0.75  # RMS over a random edge's penumbra; measured, see the task's truth
 
 BESIDE_RAYS = """Error over the pixels in penumbra against time, the best configurations of each method: what lies above the line
-loses to {rays} rays a pixel, however fast it is. The solid line is {what}. Scenes whose light is hard have no penumbra and are
+loses to {rays} rays a pixel, however fast it is. The solid line is {what}; the dashed one is a picture without any shadow. Errors
+below {least:g} stand at it. Scenes whose light is hard have no penumbra and are
 left out; the light's share there is all or nothing. A mark's tooltip names its knobs."""
 MEASURED = "what our rays with scrambled Sobol points measured here ({rays} a pixel)"
 EXPECTED = "what {rays} scrambled Sobol points leave on an edge that lies anywhere, {value:.3f}, as no method with rays is here"
 
 WIDTH = """The width of a penumbra, from 10 to 90 % of the light, over the true one, on a straight edge: how wide each method makes
 it. 1 is right; a hard shadow has none and stands at the left edge."""
+
+
+NO_SHADOW = "unshadowed"  # takes no time, and would stretch an axis of times to where nothing else is
+LEAST_ERROR = 1e-4  # a fortieth of a level of 256: what is below it nobody sees
 
 
 def cards(task, numbers, width="container", legend=False):
@@ -62,22 +67,26 @@ def _beside_rays(task, numbers, width, legend):
         size = max(r.size for r in rows)
         rows = [r for r in rows if r.size == size]
         values = []
-        for method in dict.fromkeys(r.method for r in rows):
+        for method in dict.fromkeys(r.method for r in rows if r.method != NO_SHADOW):
             for r in front([r for r in rows if r.method == method], penumbra):
-                values.append({"i": numbers[id(r)], "method": method, "x": r.query_ns, "y": penumbra(r)})
+                values.append({"i": numbers[id(r)], "method": method, "x": r.query_ns, "y": max(penumbra(r), LEAST_ERROR)})
+        if not values:
+            continue
         rays = [penumbra(r) for r in rows if is_rays(r)]
         measured = measured or bool(rays)
         line = min(rays) if rays else SOBOL_AT_16
         looks = {m: look for m, look in task.looks.items() if any(v["method"] == m for v in values)}
         methods |= set(looks)
+        none = next((penumbra(r) for r in rows if r.method == NO_SHADOW), None)
         title = f"{dataset}, {several(size, task.text.element)}"
-        figures.append(Figure(f"{task.name}-rays-{dataset}", title, dataset, _rays_chart(values, looks, line, width, legend)))
+        chart = _rays_chart(values, looks, line, none, width, legend)
+        figures.append(Figure(f"{task.name}-rays-{dataset}", title, dataset, chart))
     what = MEASURED.format(rays=RAYS) if measured else EXPECTED.format(rays=RAYS, value=SOBOL_AT_16)
-    caption = BESIDE_RAYS.format(rays=RAYS, what=what)
+    caption = BESIDE_RAYS.format(rays=RAYS, what=what, least=LEAST_ERROR)
     return Card(f"{task.name}-card-rays", f"Beside {RAYS} rays a pixel", caption, figures, tuple(methods))
 
 
-def _rays_chart(values, looks, line, width, legend):
+def _rays_chart(values, looks, line, none, width, legend):
     x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, padding=14),
               axis=charts._log_axis("x", charts.DURATION, "time per pixel, log"))  # fmt: skip
     scale = alt.Scale(type="log", nice=False, padding=10)
@@ -87,11 +96,13 @@ def _rays_chart(values, looks, line, width, legend):
     lines = base.mark_line(strokeWidth=1.2, opacity=charts._pick("0.7")).encode(
         x=x, y=y, stroke=alt.Stroke("method:N", scale=color, legend=charts._key(legend)))  # fmt: skip
     dots = charts._points(base, looks, legend).encode(x=x, y=y)
-    at = alt.Chart(alt.Data(values=[{"y": line, "text": f"{RAYS} rays: {line:.2g}"}]))
-    rule = at.mark_rule(color=INK, strokeWidth=1.4).encode(y=alt.Y("y:Q", scale=scale))
-    label = at.mark_text(align="right", dy=-6, fontSize=10, fill=INK, x=alt.expr("width - 4")).encode(
-        y=alt.Y("y:Q", scale=scale), text="text:N")  # fmt: skip
-    return alt.layer(rule, lines, dots, label).add_params(charts._pick_param()).properties(width=width, height=260)
+    rules, labels = [], []
+    for at, words, dash in ((line, f"{RAYS} rays", [1, 0]), (none, "no shadow", [4, 3])):
+        if at:
+            base = alt.Chart(alt.Data(values=[{"y": at, "text": f"{words}: {at:.2g}"}])).encode(y=alt.Y("y:Q", scale=scale))
+            rules.append(base.mark_rule(color=INK, strokeWidth=1.4, strokeDash=dash))
+            labels.append(base.mark_text(align="right", dy=-6, fontSize=10, fill=INK, x=alt.expr("width - 4")).encode(text=alt.Text("text:N")))
+    return charts.layered(*rules, lines, dots, *labels, width=width, height=260)
 
 
 # ---- widths ----------------------------------------------------------------------------------------------------------
@@ -122,11 +133,11 @@ def _width_chart(values, looks, width):
     x = alt.X("x:Q", scale=scale, axis=alt.Axis(title="width over the true one, log", values=[0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5],
                                                 format="~g", gridOpacity=0.5))  # fmt: skip
     y = alt.Y("method:N", sort=methods, scale=alt.Scale(domain=methods),
-              axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=120))  # fmt: skip
+              axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=charts.LANE_NAME))  # fmt: skip
     one = alt.Chart(alt.Data(values=[{"x": 1}])).mark_rule(color=INK, strokeDash=[3, 3], opacity=0.6).encode(
         x=alt.X("x:Q", scale=scale))  # fmt: skip
     dots = charts._points(alt.Chart(alt.Data(values=values)), looks, False).encode(x=x, y=y)
-    return alt.layer(one, dots).add_params(charts._pick_param()).properties(width=width, height=alt.Step(15))
+    return charts.layered(one, dots, width=width, height=alt.Step(15))
 
 
 def rms(values):

@@ -14,7 +14,7 @@ CAPTION = """What a BSP tree of a solid makes of the faces it is given, against 
 meets, and what is cut is stored in pieces. First faces cut rough surfaces most, and of convex ones, which they do not cut,
 make a list as deep as it is long; the best of several, by cuts and balance, cuts least but in that case; medians along axes
 first keep the tree shallow, for some more pieces. Hollow marks: medians again, in single precision with an epsilon relative
-to the extent; its wrong answers are in the charts above."""
+to the extent; its wrong answers of damaged meshes stand in the card above, of whole ones in the charts below."""
 
 
 def strategy(row):
@@ -58,7 +58,7 @@ def _chart(lines, every, numbers, what, width):
     color = alt.Scale(domain=drawn, range=[COLORS[every.index(how) % len(COLORS)] for how in drawn])
     fill = alt.Scale(domain=drawn, range=["transparent" if how.startswith("rounded") else c
                                           for how, c in zip(drawn, color.range)])  # fmt: skip
-    legend = alt.Legend(title=None, orient="bottom", columns=2, labelLimit=240, symbolType="circle", symbolStrokeWidth=1.6)
+    legend = alt.Legend(title=None, orient="bottom", columns=1, labelLimit=240, symbolType="circle", symbolStrokeWidth=1.6)
     log = dict(type="log", nice=False, padding=14)
     x = alt.X("n:Q", scale=alt.Scale(**log), axis=alt.Axis(title="faces, log", gridOpacity=0.5, format="~s",
               values=sorted({v["n"] for v in values})))  # fmt: skip
@@ -74,4 +74,4 @@ def _chart(lines, every, numbers, what, width):
     line = base.mark_line(strokeWidth=1.4, opacity=0.8).encode(stroke=stroke)
     dots = base.mark_point(strokeWidth=1.6, size=44, opacity=1).encode(
         stroke=stroke, fill=alt.Fill("how:N", scale=fill, legend=legend), tooltip=alt.Tooltip("i:Q"))  # fmt: skip
-    return alt.layer(line, dots).properties(width=width, height=240)
+    return alt.layer(line, dots, width=width, height=240)

@@ -1,5 +1,6 @@
 """Each main chart as SVG and PNG, on white and with its own legend, for papers and the README."""
 
+import json
 import re
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import vl_convert
 
 from bench.report import charts, closest, inside, rays, series, shadows, stability, surfaces, theory, transport
 from bench.report.layout import lane_notes
-from bench.report.model import bytes_title, points
+from bench.report.model import build_title, bytes_title, points
 from bench.report.units import count, several
 
 COLORS = {
@@ -40,9 +41,10 @@ def _charts(task):
             title = f"{dataset}, {several(size, task.text.element)}, {query_set}"
             name = _file_name(task.name, dataset, query_set)
             if shown:
-                notes = lane_notes(task.layouts[dataset], [r for r in here if r.size == size])
+                notes = [{"axis": task.text.error_of(query_set), "y": task.layouts[dataset].middle},
+                         *lane_notes(task.layouts[dataset], [r for r in here if r.size == size])]  # fmt: skip
                 chart = charts.frontier_chart(_data(task, shown, notes), task.layouts[dataset], _used(task, shown),
-                                              task.text.query, task.text.error, True, 460)  # fmt: skip
+                                              task.text.query, True, 460)  # fmt: skip
                 yield f"{name}-frontier", chart.properties(title=title)
             best = [(r, p) for r, p in zip(here, points(task, here)) if p["best"]]
             if len({r.size for r, _ in best}) > 1:
@@ -51,7 +53,7 @@ def _charts(task):
                                              task.text.query, True, 460, 300)  # fmt: skip
                 yield f"{name}-scaling", chart.properties(title=f"{dataset}, {query_set}")
         at_size = [r for r in rows if r.size == size]
-        for field, figure, label in (("build", "build_s", f"build time per {task.text.element}, log"),
+        for field, figure, label in (("build", "build_s", build_title(task)),
                                      ("bytes", "bytes", bytes_title(task))):
             if methods := [
                 m for m in task.looks if any(r.method == m and getattr(r, figure) is not None for r in at_size)
@@ -89,7 +91,7 @@ def _matrix(task, cases, columns, cells):
         y=alt.Y("case:N", sort=cases, axis=alt.Axis(title=None, labelLimit=260)))  # fmt: skip
     color = alt.Color("status:N", scale=alt.Scale(domain=list(COLORS), range=list(COLORS.values())))
     chart = alt.layer(base.mark_rect(stroke="white").encode(color=color),
-                      base.mark_text(fontSize=11, color="#111").encode(text="letter:N"))  # fmt: skip
+                      base.mark_text(fontSize=11, color="#111").encode(text=alt.Text("letter:N")))  # fmt: skip
     return chart.properties(width=alt.Step(26), height=alt.Step(17), title=f"{task.name}: hard cases")
 
 
@@ -98,7 +100,7 @@ def _file_name(*parts):
 
 
 def _save(chart, path):
-    spec = charts.theme(chart, "white", "sans-serif").to_json()
+    spec = json.dumps(charts.spec(chart, "white", "sans-serif"), sort_keys=True)
     svg = vl_convert.vegalite_to_svg(spec.replace(charts.INK, "#222").replace(charts.PAPER, "white"))
     path.with_name(path.name + ".svg").write_text(svg)
     path.with_name(path.name + ".png").write_bytes(vl_convert.svg_to_png(svg, scale=2))

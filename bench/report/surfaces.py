@@ -102,14 +102,18 @@ def _fall_chart(values, ends, width):
     along = alt.Scale(type="log", nice=False, domain=[pick(v["n"] for v in values) for pick in (min, max)],
                       range=[14, alt.expr("width - 38")])  # fmt: skip
     x = alt.X("n:Q", scale=along, axis=alt.Axis(title="samples, log", values=sorted({v["n"] for v in values}), gridOpacity=0.5))
-    look = _log("relative RMS error, log", format=".0e", tickCount=5)
+    low, high = min(v["error"] for v in values) / 1.3, 1.3 * max(v["error"] for v in values)
+    places = charts.spread([e["error"] for e in ends], [low, high], height)
+    ends = [end | {"at": place} for end, place in zip(ends, places)]
+    look = {"scale": alt.Scale(type="log", nice=False, domain=[min(low, *places), max(high, *places)]),
+            "axis": alt.Axis(title="relative RMS error, log", format=".0e", tickCount=5, gridOpacity=0.5)}  # fmt: skip
     y = alt.Y("error:Q", **look)
     base = alt.Chart(alt.Data(values=values)).encode(x=x, y=y, color=color)
-    places = charts.spread([e["error"] for e in ends], [v["error"] for v in values], height)
-    ends = [end | {"at": place} for end, place in zip(ends, places)]
     text = alt.Chart(alt.Data(values=ends)).mark_text(align="left", dx=6, fontSize=10).encode(
-        x=x, y=alt.Y("at:Q", scale=look["scale"]), text="slope:N", color=color)  # fmt: skip
-    return alt.layer(base.mark_line(strokeWidth=1.5), base.mark_point(filled=True, size=30), text).properties(width=width, height=height)
+        x=x, y=alt.Y("at:Q", scale=look["scale"]), text=alt.Text("slope:N"), color=color)  # fmt: skip
+    dots = base.mark_point(filled=True, size=30, opacity=1).encode(
+        tooltip=[alt.Tooltip("points:N"), alt.Tooltip("n:Q", title="samples"), alt.Tooltip("error:Q", format=".2e")])  # fmt: skip
+    return alt.layer(base.mark_line(strokeWidth=1.5), dots, text, width=width, height=height)
 
 
 # ---- efficiency --------------------------------------------------------------------------------------------------
@@ -137,7 +141,7 @@ def _lanes(values, title, width):
     best = {m: max(v["x"] for v in values if v["method"] == m) for m in dict.fromkeys(v["method"] for v in values)}
     methods = sorted(best, key=lambda m: -best[m])
     y = alt.Y("method:N", sort=methods, scale=alt.Scale(domain=methods),
-              axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=120))  # fmt: skip
+              axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=charts.LANE_NAME))  # fmt: skip
     x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, padding=14), axis=charts._log_axis("x", "format(datum.value, '~s')", title))
     kinds = list(dict.fromkeys(v["points"] for v in values))
     fill = alt.Fill("points:N", legend=None, scale=alt.Scale(domain=kinds, range=["transparent" if k == "random" else GREEN for k in kinds]))
@@ -171,7 +175,10 @@ def _furnace_chart(values, width):
         x=alt.X("alpha:Q", axis=alt.Axis(title="roughness α", gridOpacity=0.5)),
         y=alt.Y("albedo:Q", scale=alt.Scale(zero=False), axis=alt.Axis(title="share reflected", gridOpacity=0.5)),
         color=_legend(values, "term", TERMS))  # fmt: skip
-    return alt.layer(base.mark_line(strokeWidth=1.5), base.mark_point(filled=True, size=30)).properties(width=width, height=260)
+    dots = base.mark_point(filled=True, size=30, opacity=1).encode(tooltip=[
+        alt.Tooltip("term:N", title="compensation"), alt.Tooltip("alpha:Q", title="roughness"),
+        alt.Tooltip("albedo:Q", title="reflected", format=".4f")])  # fmt: skip
+    return alt.layer(base.mark_line(strokeWidth=1.5), dots, width=width, height=260)
 
 
 # ---- the halo ----------------------------------------------------------------------------------------------------
@@ -192,7 +199,9 @@ def _halo(task, width):
         x=alt.X("angle:Q", axis=alt.Axis(title="degrees off the mirror's direction", gridOpacity=0.5)),
         y=alt.Y("share:Q", **_log("share of the light, log", format=".0e", tickCount=6)),
         color=_legend(values, "surface", colors))  # fmt: skip
-    chart = alt.layer(base.mark_line(strokeWidth=1.5), base.mark_point(filled=True, size=24)).properties(width=width, height=260)
+    dots = base.mark_point(filled=True, size=24, opacity=1).encode(tooltip=[
+        alt.Tooltip("surface:N"), alt.Tooltip("angle:Q", title="degrees"), alt.Tooltip("share:Q", format=".2e")])  # fmt: skip
+    chart = alt.layer(base.mark_line(strokeWidth=1.5), dots, width=width, height=260)
     return Card(f"{task.name}-card-halo", "Halo", HALO, [Figure(f"{task.name}-halo", "light off the mirror's direction", surfaces[0], chart)])
 
 

@@ -14,6 +14,11 @@ class TaskText:
     query_sets: tuple = ()  # (name, what is asked)
     hard: str = ""  # why some methods have no hard cases
     methods: tuple = ()  # (names, what they do), where a name does not say it
+    errors: tuple = ()  # (query set, name of its error), of sets whose error is another than the task's
+    mean: bool = True  # the error is the mean over queries; else `meaning` says what it is
+
+    def error_of(self, query_set):
+        return dict(self.errors).get(query_set, self.error)
 
 
 TASKS = {
@@ -40,17 +45,20 @@ TASKS = {
           "caps of a sphere (Dupuy and Benyoub 2023)"),
          ("own", "the sampler that the surface's material brings"),
          ("light, mis", "directions to the light, and both ways weighted by the power heuristic"),
-         ("quadrature, quadrature_facets, unmasked", "integrals over directions, over facets, and over facets without shadowing and masking"))),
+         ("quadrature, quadrature_facets, unmasked", "integrals over directions, over facets, and over facets without shadowing and masking")),
+        mean=False),
     "distance_field": TaskText(
         "Distance fields of meshes",
         "How far is it to the surface, on which side, and what does a ray meet, if only samples of the distance are kept?",
         "triangle", "query", "mean error in longest sides",
         "How far a distance is off, in lengths of the longest side of the mesh's box; for uniform, the share of wrong sides; "
         "for trace, how far off the hit is, where a false hit or a false miss counts 1. Fields know distances in a band of 3 "
-        "cells on either side of the surface.",
+        "cells on either side of the surface, and claim bounds of their own, which their resolution sets; the tree over the mesh "
+        "is off by rounding alone.",
         (("near", "points within 1 % of the longest side from the surface"),
          ("uniform", "points of the mesh's box and a tenth around it"),
-         ("trace", "where rays from all around first meet the surface"))),
+         ("trace", "where rays from all around first meet the surface")),
+        errors=(("uniform", "share of wrong sides"),)),
     "inside": TaskText(
         "Points in meshes",
         "Is a point inside a mesh?",
@@ -144,7 +152,8 @@ TASKS = {
          ("next_event_uniform, next_event_cosine, next_event_bsdf", "the same, with a ray to a lamp from every point"),
          ("mis, mis_embree", "both, weighted by the power heuristic; over our tree and over Embree's"),
          ("whitted", "rays that multiply at mirrors and glass, and end on all else"),
-         ("textbook_literal, textbook_corrected", "a path tracer as textbooks print it, slip by slip, and put right"))),
+         ("textbook_literal, textbook_corrected", "a path tracer as textbooks print it, slip by slip, and put right")),
+        mean=False),
     "region_average": TaskText(
         "Means of regions of textures",
         "What is the mean of a region of a texture?",
@@ -164,7 +173,8 @@ TASKS = {
          ("mip_square, mip_probes, mip_anisotropic", "one look-up between two levels of a pyramid, a grid of them, or a row along the region"),
          ("sat_float, sat_double, sat_uint32, sat_int64", "tables of sums, by the number that they are kept in"),
          ("sat_centred", "sums in float of the values less about their mean, so that they stay small"),
-         ("brute", "all texels of the region"))),
+         ("brute", "all texels of the region")),
+        mean=False),
     "closest_point": TaskText(
         "Closest points of triangle meshes",
         "Which point of a mesh lies nearest to a query, and on which triangle?",
@@ -201,7 +211,8 @@ TASKS = {
          ("msm, msm16", "four moments of depth (moment shadow maps), in float and in 16 bits"),
          ("vssm", "pcss with the variance of a box for its taps"),
          ("redrawn_map, embree_redrawn_map", "a map drawn anew for every image, by our rasteriser and by Embree's rays"),
-         ("shadow_volumes, shadow_volumes_z_pass", "crossings of the borders of shadows, counted from infinity or from the eye"))),
+         ("shadow_volumes, shadow_volumes_z_pass", "crossings of the borders of shadows, counted from infinity or from the eye")),
+        mean=False),
 }  # fmt: skip
 
 

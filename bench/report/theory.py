@@ -24,15 +24,17 @@ NAMES = {
     "error": ("Rounding", "root mean square error of means from a table of sums in float, over the range of the texture's values"),
 }
 DOTS = {"color": VERMILION, "opacity": 0.85}  # told from the ground of a light page and of a dark one
+TOOLTIP = [alt.Tooltip("label:N", title="method"), alt.Tooltip("case:N"), alt.Tooltip("knobs:N"),
+           alt.Tooltip("is:Q", title="measured", format=".4~g"), alt.Tooltip("should:Q", title="theory", format=".4~g")]  # fmt: skip
 DECADES = 100  # a ratio of values from which on axes are logarithmic, if no value is 0
 
 
 def cards(task, numbers, width="container"):
     by_field = {}
     for row, field, is_, should, slack in told(task):
-        by_field.setdefault(field, []).append({"is": is_, "should": should, "low": should - slack, "high": should + slack,
-            "label": ", ".join(t for t in (row.dataset, row.query_set, row.method, knob_text(row.build_knobs),
-                                           knob_text(row.query_knobs)) if t)})  # fmt: skip
+        by_field.setdefault(field, []).append({"is": is_, "should": should, "low": max(should - slack, 0), "high": should + slack,
+            "label": row.method, "case": ", ".join(t for t in (row.dataset, row.query_set) if t),
+            "knobs": "; ".join(t for t in (knob_text(row.build_knobs), knob_text(row.query_knobs)) if t) or "–"})  # fmt: skip
     figures, words = [], []
     for field in [f for f in NAMES if f in by_field] + [f for f in by_field if f not in NAMES]:
         name, what = NAMES.get(field, (field, field))
@@ -58,7 +60,7 @@ def told(task):
 
 def _chart(values, width):
     both = [v[k] for v in values for k in ("is", "should")]
-    least, most = min(both), max(both) or 1
+    least, most = min(both), max(*both, *(v["high"] for v in values)) or 1
     if least > 0 and most > DECADES * least:
         scale = alt.Scale(type="log", domain=[0.7 * least, 1.4 * most], nice=False)
         ticks = {"format": ".0e", "tickCount": 5}
@@ -70,7 +72,7 @@ def _chart(values, width):
     y = alt.Y("is:Q", scale=scale, axis=alt.Axis(title="measured", gridOpacity=0.5, **ticks))
     same = alt.Chart(alt.Data(values=[{"should": v, "is": v} for v in (least, most)])).mark_line(
         color=INK, strokeDash=[3, 3], opacity=0.6).encode(x=x, y=y)  # fmt: skip
-    bars = base.transform_filter("datum.high > datum.low").mark_rule(color=INK, opacity=0.4).encode(
-        x=x, y=alt.Y("low:Q", scale=scale), y2="high:Q")  # fmt: skip
-    dots = base.mark_point(filled=True, size=40, **DOTS).encode(x=x, y=y, tooltip=alt.Tooltip("label:N"))
-    return alt.layer(same, bars, dots).properties(width=width, height=220)
+    bars = base.transform_filter("datum.high > datum.low").transform_calculate(low=f"max(datum.low, {least})").mark_rule(
+        color=INK, opacity=0.4).encode(x=x, y=alt.Y("low:Q", scale=scale), y2=alt.Y2("high:Q"))  # fmt: skip
+    dots = base.mark_point(filled=True, size=40, **DOTS).encode(x=x, y=y, tooltip=TOOLTIP)
+    return alt.layer(same, bars, dots, width=width, height=220)

@@ -1,10 +1,11 @@
 """What only the task light_transport shows: how errors fall with samples, what a method is worth in a given time, what
 leaving out bounces costs, how rays multiply, how far pseudo-code is biased, and how few samples may hold the light."""
 
-from math import log
+from math import log, sqrt
 
 from bench.report import charts
 from bench.report.palette import INK
+from bench.report.rows import knob_text
 from bench.report.series import Card, Figure
 from bench.report.units import figure, several
 
@@ -14,10 +15,12 @@ FEW = 1e-4  # of a bias: what no run here can tell from none
 EQUAL = 64  # samples at which methods are held against each other
 REACH = 10  # times the truth's own relMSE: nearer, more than a tenth of what is measured is the truth's noise
 
-CONVERGENCE = """relMSE against samples a pixel, both logarithmic, and the slope of each line, fitted by least squares: −1 is
-what independent samples give, whatever the method; a net of Sobol points, all of a pixel's samples being one, falls
+CONVERGENCE = """relMSE against samples a pixel, both logarithmic, and the slope of each line of three marks or more, fitted by
+least squares, with the fit's standard error: −1 is what independent samples give, whatever the method; a net of Sobol points, all of a pixel's samples being one, falls
 faster where the light is smooth. Biased methods stop at the square of what they lack. The dashed line has slope −1. Grey below:
-the truth is itself that noisy, and no error can be measured there; marks within a factor of {reach:g} of it have no part in a slope."""
+the truth is itself that noisy, and no error can be measured there; marks within a factor of {reach:g} of it have no part in a slope. Where few samples hold the light
+(Fireflies, below), a line leaps whenever one of them is met: there a slope of few marks tells little, and its standard error, which
+knows these marks alone, may be far too small."""
 
 EFFICIENCY = """1 over relMSE × seconds of processor time a pixel, at {samples} samples: how much a method is worth at any
 time, as one of twice the efficiency needs half the time for the same noise. Biased methods are left out: more time does
@@ -31,7 +34,7 @@ BOUNCES = """Rays of Whitted tracing for each primary ray, by the bounce: mirror
 has at most 2^k (the dashed line). Shadow rays come on top: every diffuse hit asks each lamp."""
 
 BIAS = """How far the mean over all pixels is from the truth, in shares of it, for each way to write
-path tracing down; lines span four standard errors. On 0 stands what is unbiased. emitters: the pseudo-code as it is
+path tracing down; lines span four standard errors to each side. On 0 stands what is unbiased. emitters: the pseudo-code as it is
 usually printed, where lamps that are met count nothing and reflect nothing; roulette_first: the die is cast before the
 direct light, which is not divided by its probability; half_pi: the hemisphere taken for π/2."""
 
@@ -83,6 +86,25 @@ def slope(points):
     return sum((x - mx) * (y - my) for x, y in logs) / sum((x - mx) ** 2 for x, _ in logs)
 
 
+def slope_error(points):
+    """Standard error of that slope, by what the points are off their line; None of fewer than three."""
+    logs, fitted = [(log(x), log(y)) for x, y in points if x > 0 and y > 0], slope(points)
+    if fitted is None or len(logs) < 3:
+        return None
+    mx, my = (sum(v[k] for v in logs) / len(logs) for k in (0, 1))
+    off = sum((y - my - fitted * (x - mx)) ** 2 for x, y in logs)
+    return sqrt(off / (len(logs) - 2) / sum((x - mx) ** 2 for x, _ in logs))
+
+
+def slope_text(points):
+    """"−1.02 ± 0.04", to the digits that its error leaves; nothing where there is no error."""
+    error = slope_error(points)
+    if error is None:
+        return ""
+    digits = 2 if error < 0.095 else 1
+    return f" {slope(points):+.{digits}f} ± {error:.{digits}f}".replace("-", "−")
+
+
 def noise(rows):
     """The truth's own relMSE, or None where it has none, as formulas."""
     return max((r.error_floor or 0 for r in rows), default=0) ** 2 or None
@@ -129,10 +151,10 @@ def _convergence(task, numbers, width):
             continue
         values, ends = [], []
         for name, points in found.items():
-            fitted = slope([p[:2] for p in points if told_apart(p[2])])
             for n, error, row in points:
                 values.append({"i": numbers[id(row)], "method": row.method, "series": name, "x": n, "y": error})
-            ends.append({"method": points[0][2].method, "x": points[-1][0], "y": points[-1][1], "text": name if fitted is None else f"{name} {fitted:.2f}".replace("-", "−")})
+            text = name + slope_text([p[:2] for p in points if told_apart(p[2])])
+            ends.append({"method": points[0][2].method, "x": points[-1][0], "y": points[-1][1], "text": text})
         looks = _looks(task, {v["method"] for v in values})
         methods |= set(looks)
         chart = _convergence_chart(values, ends, looks, noise(rows), width)
@@ -140,7 +162,7 @@ def _convergence(task, numbers, width):
     return Card(f"{task.name}-card-convergence", "Convergence", CONVERGENCE.format(reach=REACH), figures, tuple(methods))
 
 
-LABELS = 135  # pixels beside the lines, for their names and slopes
+LABELS = 170  # pixels beside the lines, for their names and slopes
 
 
 def _convergence_chart(values, ends, looks, floor, width):
@@ -148,29 +170,31 @@ def _convergence_chart(values, ends, looks, floor, width):
     first, most = (pick(v["x"] for v in values) for pick in (min, max))
     x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, domain=[first, most], range=[4, alt.expr(f"width - {LABELS}")]),
               axis=alt.Axis(title="samples a pixel, log", values=sorted({v["x"] for v in values}), gridOpacity=0.5))  # fmt: skip
-    places = charts.spread([e["y"] for e in ends], [v["y"] for v in values], height)
+    shown = [v["y"] for v in values] + ([floor] if floor else [])
+    low, high = min(shown) / 1.5, 1.5 * max(shown)
+    places = charts.spread([e["y"] for e in ends], [low, high], height)
     ends = [end | {"at": place} for end, place in zip(ends, places)]
-    low, high = (pick([v["y"] for v in values] + places + [floor or places[0]]) for pick in (min, max))
-    scale = alt.Scale(type="log", nice=False, domain=[low / 1.5, 1.5 * high])
+    low, high = min(low, *places), max(high, *places)
+    scale = alt.Scale(type="log", nice=False, domain=[low, high])
     y = alt.Y("y:Q", scale=scale, axis=alt.Axis(title="relMSE, log", format=".0e", tickCount=6, gridOpacity=0.5))
     color, _ = charts._scales(looks)
     base = alt.Chart(alt.Data(values=values))
     start = sorted(v["y"] for v in values if v["x"] == first)
     start = start[len(start) // 2]
-    ideal = alt.Chart(alt.Data(values=[{"x": first, "y": start}, {"x": most, "y": max(start * first / most, low / 1.5)}]))
+    ideal = alt.Chart(alt.Data(values=[{"x": first, "y": start}, {"x": most, "y": max(start * first / most, low)}]))
     ideal = ideal.mark_line(color=INK, strokeDash=[3, 3], opacity=0.6).encode(x=x, y=y)
     lines = base.mark_line(strokeWidth=1.4, opacity=charts._pick("0.8")).encode(
-        x=x, y=y, detail="series:N", stroke=alt.Stroke("method:N", scale=color, legend=None))  # fmt: skip
+        x=x, y=y, detail=alt.Detail("series:N"), stroke=alt.Stroke("method:N", scale=color, legend=None))  # fmt: skip
     dots = charts._points(base, looks, False, 30).encode(x=x, y=y)
     label = alt.Chart(alt.Data(values=ends)).mark_text(align="left", dx=6, fontSize=9, fill=INK, opacity=charts._pick("0.9")).encode(
-        x=x, y=alt.Y("at:Q", scale=scale), text="text:N")  # fmt: skip
+        x=x, y=alt.Y("at:Q", scale=scale), text=alt.Text("text:N"))  # fmt: skip
     ground = []
     if floor:  # what no error can be measured in
-        at = alt.Chart(alt.Data(values=[{"y": floor, "low": low / 1.5}]))
-        ground = [at.mark_rect(color="#888", opacity=0.25).encode(y=y, y2="low:Q"),
+        at = alt.Chart(alt.Data(values=[{"y": floor, "low": low}]))
+        ground = [at.mark_rect(color="#888", opacity=0.25).encode(y=y, y2=alt.Y2("low:Q")),
                   at.mark_text(align="left", baseline="top", x=5, dy=3, fontSize=9, fontStyle="italic", fill=INK, opacity=0.7).encode(
                       y=y, text=alt.value("the truth's own noise"))]  # fmt: skip
-    return alt.layer(*ground, ideal, lines, dots, label).add_params(charts._pick_param()).properties(width=width, height=height)
+    return charts.layered(*ground, ideal, lines, dots, label, width=width, height=height)
 
 
 # ---- efficiency and speed ----------------------------------------------------------------------------------------------
@@ -189,8 +213,8 @@ def _lanes(values, looks, title, width):
               axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5, labelLimit=150))  # fmt: skip
     base = alt.Chart(alt.Data(values=values))
     dots = charts._points(base, looks, False).encode(x=x, y=y)
-    labels = [layer.encode(x=x, y=y, text="label:N") for layer in charts._named(base, "0.85", dx=8)]
-    return alt.layer(dots, *labels).add_params(charts._pick_param()).properties(width=width, height=alt.Step(15))
+    labels = [layer.encode(x=x, y=y, text=alt.Text("label:N")) for layer in charts._named(base, "0.85", dx=8)]
+    return charts.layered(dots, *labels, width=width, height=alt.Step(15))
 
 
 def _efficiency(task, numbers, width):
@@ -287,13 +311,14 @@ def _depth(task, width):
     x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, padding=14),
               axis=alt.Axis(title="bounces, log", values=[1, 2, 3, 5, 10, 20], gridOpacity=0.5))  # fmt: skip
     y = alt.Y("y:Q", scale=alt.Scale(type="log", nice=False, padding=10),
-              axis=alt.Axis(title="share of the light that is missing, log", format=".1~%", tickCount=6, gridOpacity=0.5))  # fmt: skip
+              axis=charts._log_axis("y", "format(datum.value, '~%')", "share of the light that is missing, log"))  # fmt: skip
+    tooltip = [alt.Tooltip("what:N"), alt.Tooltip("x:Q", title="bounces"), alt.Tooltip("y:Q", title="missing", format=".3~%")]
     base = alt.Chart(alt.Data(values=told))
-    layers = [base.mark_point(filled=True, size=40).encode(x=x, y=y, color=color)]
-    layers.append(base.mark_line(strokeWidth=1, opacity=0.4).encode(x=x, y=y, color=color))
+    layers = [base.mark_line(strokeWidth=1.2, opacity=0.8).encode(x=x, y=y, color=color)]
+    layers.append(base.mark_point(filled=True, size=40, opacity=1).encode(x=x, y=y, color=color, tooltip=tooltip))
     if exact:
-        layers.append(alt.Chart(alt.Data(values=exact)).mark_line(strokeWidth=2).encode(x=x, y=y, color=color))
-    chart = alt.layer(*layers).properties(width=width, height=300)
+        layers.insert(1, alt.Chart(alt.Data(values=exact)).mark_line(strokeWidth=2.5).encode(x=x, y=y, color=color))
+    chart = alt.layer(*layers, width=width, height=300)
     return Card(f"{task.name}-card-depth", "How many bounces", DEPTH.format(few=FEW),
                 [Figure(f"{task.name}-depth", "What further bounces bring", "", chart)])  # fmt: skip
 
@@ -314,22 +339,30 @@ def bias_rows(rows):
     return out
 
 
+PERCENT = 66  # pixels beside the rightmost mark, for its label
+
+
 def _bias(task, width):
     figures = []
     every = bias_rows(soft(task))
     for dataset in dict.fromkeys(r.dataset for r, *_ in every):
-        values = [{"name": name, "x": bias, "lo": bias - 4 * error, "hi": bias + 4 * error, "label": f"{100 * bias:+.2f} %"}
+        values = [{"name": name, "x": bias, "lo": bias - 4 * error, "hi": bias + 4 * error, "label": f"{100 * bias:+.2f} %".replace("-", "−"),
+                   "error": f"{100 * error:.2g} %", "knobs": knob_text(r.query_knobs)}
                   for r, name, bias, error in every if r.dataset == dataset]  # fmt: skip
         names = [v["name"] for v in values]
         base = alt.Chart(alt.Data(values=values))
-        scale = alt.Scale(domain=[min(-0.05, *(1.15 * v["lo"] for v in values)), max(0.3, *(1.3 * v["hi"] for v in values))], nice=False)
-        x = alt.X("x:Q", scale=scale, axis=alt.Axis(title="bias, relative", format="+.0%", tickCount=5, gridOpacity=0.5))
+        scale = alt.Scale(domain=[min(-0.05, *(v["lo"] for v in values)), max(0.05, *(v["hi"] for v in values))], nice=False,
+                          range=[8, alt.expr(f"width - {PERCENT}")])  # fmt: skip
+        x = alt.X("x:Q", scale=scale, axis=alt.Axis(title="bias, relative", format="+.0%", tickCount=4, labelOverlap="greedy",
+                                                     labelSeparation=4, gridOpacity=0.5))  # fmt: skip
         y = alt.Y("name:N", sort=names, axis=alt.Axis(title=None, ticks=False, domain=False, grid=True, gridOpacity=0.5))
         zero = alt.Chart(alt.Data(values=[{"x": 0}])).mark_rule(color=INK, strokeDash=[3, 3], opacity=0.6).encode(x=alt.X("x:Q", scale=scale))
-        spans = base.mark_rule(strokeWidth=2, color="#0072B2").encode(x=alt.X("lo:Q", scale=scale), x2="hi:Q", y=y)
-        dots = base.mark_point(filled=True, size=50, color="#0072B2", opacity=1).encode(x=x, y=y)
-        labels = [layer.encode(x=alt.X("hi:Q", scale=scale), y=y, text="label:N") for layer in charts._named(base, "0.85", dx=8)]
-        chart = alt.layer(zero, spans, dots, *labels).add_params(charts._pick_param()).properties(width=width, height=alt.Step(22))
+        spans = base.mark_rule(strokeWidth=2, color="#0072B2").encode(x=alt.X("lo:Q", scale=scale), x2=alt.X2("hi:Q"), y=y)
+        dots = base.mark_point(filled=True, size=50, color="#0072B2", opacity=1).encode(x=x, y=y, tooltip=[
+            alt.Tooltip("name:N"), alt.Tooltip("label:N", title="bias"), alt.Tooltip("error:N", title="standard error"),
+            alt.Tooltip("knobs:N", title="asked with")])  # fmt: skip
+        labels = [layer.encode(x=alt.X("hi:Q", scale=scale), y=y, text=alt.Text("label:N")) for layer in charts._named(base, "0.85", dx=8)]
+        chart = charts.layered(zero, spans, dots, *labels, width=width, height=alt.Step(22))
         figures.append(Figure(f"{task.name}-bias-{dataset}", dataset, dataset, chart))
     return Card(f"{task.name}-card-bias", "The textbook's path tracer", BIAS, figures)
 
@@ -366,9 +399,21 @@ def _bounces(task, width):
                       legend=alt.Legend(title=None, orient="bottom", columns=2, labelLimit=220))  # fmt: skip
     limit = alt.Chart(alt.Data(values=[{"x": k, "y": 2**k} for k in range(1, most + 1)])).mark_line(
         color=INK, strokeDash=[3, 3], opacity=0.6).encode(x=x, y=y)  # fmt: skip
-    chart = alt.layer(limit, alt.Chart(alt.Data(values=values)).mark_line(point=True).encode(x=x, y=y, color=color))
+    chart = alt.layer(limit, alt.Chart(alt.Data(values=values)).mark_line(point=True).encode(
+        x=x, y=y, color=color, tooltip=[alt.Tooltip("what:N", title="dataset"), alt.Tooltip("x:Q", title="bounce"),
+                                        alt.Tooltip("y:Q", title="rays", format=".3~g")]))  # fmt: skip
     return Card(f"{task.name}-card-bounces", "Rays by the bounce", BOUNCES,
                 [Figure(f"{task.name}-bounces", "Whitted tracing", "", chart.properties(width=width, height=280))])  # fmt: skip
+
+
+NARROWEST = 4  # the least ratio of an axis' ends: what differs by a hundredth must not look far apart
+
+
+def at_least(values):
+    """The least and the largest, or ends farther apart, in the ratio NARROWEST, around them."""
+    low, high = min(values), max(values)
+    more = max(1, sqrt(NARROWEST * low / high))
+    return [low / more, high * more]
 
 
 def _fireflies(task, numbers, width):
@@ -386,12 +431,13 @@ def _fireflies(task, numbers, width):
         data = [v for _, v in values.values()]
         looks = _looks(task, {v["method"] for v in data})
         methods |= set(looks)
-        x = alt.X("x:Q", scale=alt.Scale(type="log", nice=False, padding=14),
-                  axis=alt.Axis(title="largest sample's share of the image, log", format="~g", tickCount=4, labelOverlap="greedy",
-                            labelSeparation=6, gridOpacity=0.5))  # fmt: skip
-        y = alt.Y("y:Q", scale=alt.Scale(type="log", nice=False, padding=10),
-                  axis=alt.Axis(title="kurtosis, log", format="~s", tickCount=5, gridOpacity=0.5))  # fmt: skip
+        x, y = (alt.Scale(type="log", nice=False, padding=pad, domain=at_least([v[k] for v in data]))
+                for k, pad in (("x", 14), ("y", 10)))  # fmt: skip
+        x = alt.X("x:Q", scale=x, axis=alt.Axis(
+            title="largest sample's share of the image, log", format="~g", tickCount=4, labelOverlap="greedy",
+            labelSeparation=6, gridOpacity=0.5))  # fmt: skip
+        y = alt.Y("y:Q", scale=y, axis=alt.Axis(title="kurtosis, log", format="~s", tickCount=5, gridOpacity=0.5))  # fmt: skip
         chart = charts._points(alt.Chart(alt.Data(values=data)), looks, False).encode(x=x, y=y)
-        chart = alt.layer(chart).add_params(charts._pick_param()).properties(width=width, height=220)
+        chart = charts.layered(chart, width=width, height=220)
         figures.append(Figure(f"{task.name}-fireflies-{dataset}", title, dataset, chart))
     return Card(f"{task.name}-card-fireflies", "Fireflies", FIREFLIES, figures, tuple(methods))

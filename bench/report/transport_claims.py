@@ -64,10 +64,21 @@ def textbook_unbiased(claim, rows):
     for words in (*SLIPS.values(), "put right in all of this"):
         if mine := found.get(words):
             worst = max(mine, key=lambda r: abs(field(r, "z")))
-            statements.append((f"{words} (bias {100 * worst.bias:+.2f} %)", field(worst, "z"), len(mine), abs(field(worst, "z")) <= CHANCE))
-    heads = ("room", "query set", "method", "asked with", "bias, relative", "z")
+            z = field(worst, "z")
+            statements.append((f"{words} ({_off(worst, mine)})", z, len(mine), abs(z) <= CHANCE))
+    heads = ("room", "query set", "method", "asked with", "bias of all, relative", "z; of walls, the one farthest off")
     return verdict_of(claim, statements, (heads, lines), f"{len(lines)} rows; unbiased: |z| of at most {CHANCE} in all",
-                      figure="z, the mean's distance from the truth in standard errors, where it is largest", unit="rows")  # fmt: skip
+                      figure="z, the mean's distance from the truth in standard errors, where it is largest; of walls, of the one farthest off", unit="rows")  # fmt: skip
+
+
+def _off(worst, rows):
+    """What is farthest off, with the bias that belongs to its z. Of walls there is a z each, and the row's bias is that of
+    all together: then the worst image's is told, too."""
+    told = lambda r: f"bias {100 * r.bias:+.2f} %"
+    if worst.query_set != "walls":
+        return told(worst)
+    image = max((r for r in rows if r.query_set != "walls"), key=lambda r: abs(field(r, "z")), default=None)
+    return "a wall of the box" + (f"; of images {told(image)} at z {field(image, 'z'):.3g}" if image else "")
 
 
 KINDS = {"rays_multiply": rays_multiply, "textbook_unbiased": textbook_unbiased}

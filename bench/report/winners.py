@@ -59,6 +59,11 @@ class Winner:
         """The intervals of the two are known and do not overlap."""
         return not (self.ours and self.peer) or apart(self.ours, self.peer) != 0
 
+    @property
+    def clear_beside(self):
+        """The same of ours and the peer in brackets."""
+        return not (self.ours and self.lucky) or apart(self.ours, self.lucky) != 0
+
 
 def interval(row):
     """Of the repetitions; None where there was only one, which says nothing about its spread."""
@@ -109,9 +114,9 @@ def mean_ratio(found, ratio=lambda w: w.ratio):
 def table(rows, sizes=largest):
     """A short text table for the terminal: datasets at their largest size (or all that `sizes` keeps) against query
     sets."""
-    lines = []
+    lines, every = [], winners(rows)
     for task in dict.fromkeys(r.task for r in rows):
-        found = sizes([w for w in winners(rows) if w.task == task])
+        found = sizes([w for w in every if w.task == task])
         if not found:
             continue
         sets = list(dict.fromkeys(w.query_set or "-" for w in found))
@@ -124,8 +129,7 @@ def table(rows, sizes=largest):
         lines += [f"  {text}" for text in means(found, "x")]
         if any(r.task == task and damaged(r) for r in rows):
             lines.append(f"  {DAMAGED}")
-    every = winners(rows)
-    if any(w.ratio and not w.clear for w in every):
+    if any(not (w.clear and w.clear_beside) for w in sizes(every)):
         lines.append("  ~ no clear winner: the intervals of the repetitions overlap, or there was only one")
     if any(w.beside_lucky for w in sizes(every)):
         lines.append(f"  […] {LUCKY}")
@@ -157,7 +161,7 @@ def means(found, times):
 
 def _cell(w):
     ratio = f" {w.ratio:.2f}x{'' if w.clear else '~'}" if w.ratio else " (no peer exact)" if w.ours else " (ours none)"
-    beside = f" [{w.lucky.method} {w.beside_lucky:.2f}x]" if w.beside_lucky else ""
+    beside = f" [{w.lucky.method} {w.beside_lucky:.2f}x{'' if w.clear_beside else '~'}]" if w.beside_lucky else ""
     return w.best.method + ratio + beside
 
 

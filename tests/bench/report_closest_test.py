@@ -39,6 +39,14 @@ class Cards(unittest.TestCase):
         self.assertEqual(values[2]["error"], 1e-7, "no error stands at the truth's floor")
         self.assertTrue(error.title.startswith("Error") and time.title.startswith("Time"))
 
+    def test_sets_stand_side_by_side(self):
+        """So that lines to the worst error do not hide one another."""
+        cards, _ = cards_of(*(row(LADDER, 1e-3, keep=k, query_set=s) for k in (0.1, 1) for s in ("near", "uniform", "far")))
+        spec = cards["The least mesh"].figures[0].chart.to_dict()
+        values = (spec if "data" in spec else spec["layer"][0])["data"]["values"]
+        self.assertEqual(len({v["keep"] for v in values}), 6)
+        self.assertTrue(all(min(abs(v["keep"] - 10), abs(v["keep"] - 100) / 10) < 1 for v in values))
+
     def test_one_share_alone_is_no_ladder(self):
         cards, _ = cards_of(row(LADDER, 0.0, keep=1, query_set="near"), row(TREE, 0.0, query_set="near"))
         self.assertNotIn("The least mesh", cards)

@@ -61,6 +61,24 @@ class Damage(unittest.TestCase):
         self.assertEqual([v["text"] for v in card.figures[0].chart.to_dict()["data"]["values"]], ["✓"])
 
 
+    def test_figures_stand_out_from_their_cells(self):
+        """In both themes: cells are the same in either, and so is the text on them; a tooltip opens over text, too."""
+        def luminance(color):
+            parts = [int(color[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+            return sum(w * (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4)
+                       for w, c in zip((0.2126, 0.7152, 0.0722), parts))  # fmt: skip
+
+        text = inside.ON_CELL.replace("#111", "#111111")
+        for cell in inside.CELLS:
+            self.assertGreaterEqual((luminance(cell) + 0.05) / (luminance(text) + 0.05), 4.5, cell)  # WCAG 2.1, 1.4.3
+        task, _ = self.table(row("rays", "ball+unwelded", 0.0), row("solid", "ball+hole_2", None, ns=None, status="unsupported"))
+        (card,) = inside.cards(task, model.numbers([task]))
+        cells, texts = card.figures[0].chart.to_dict()["layer"]
+        self.assertIn(inside.ON_CELL, texts["mark"]["fill"]["expr"])
+        self.assertEqual(cells["encoding"]["tooltip"], texts["encoding"]["tooltip"])
+        self.assertIn("per cent of wrong answers", card.caption)
+
+
 def tree(dataset, n, fragments, depth, method=solids.EXACT, query_set="near", **knobs):
     which = (method, "bsp", "ours", "bounded")
     return made(which, dataset=dataset, n=n, build=knobs, query_set=query_set, inside_fragments=fragments, inside_depth=depth) | {"task": "inside"}  # fmt: skip
@@ -80,6 +98,7 @@ class Solids(unittest.TestCase):
             tree("ball", 1000, 2.9, 21, solids.ROUNDED, epsilon=1e-6),
             tree("ball+flipped_1", 9000, 9.0, 999, **best), tree("cup", 1000, 9.0, 999, **best))  # fmt: skip
         self.assertEqual(card.title, "Solids")
+        self.assertIn("of whole ones in the charts below", card.caption)  # where the page has them
         self.assertEqual([f.title for f in card.figures], ["fragments: ball", "depth: ball"])
         fragments, depth = (f.chart.to_dict() for f in card.figures)
         lines = {}

@@ -11,7 +11,7 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
 import report_fixture as fixture
-from bench.report import (advice, approximate, busy, frontier, layout, model, palette, pictures, pieces, rows, series, tasks,
+from bench.report import (advice, approximate, busy, frontier, layout, model, page, palette, pictures, pieces, rows, tasks,
                           stability, units, winners)  # fmt: skip
 from report_made import LOOSE, METHOD, PEER, made, read, read_text
 
@@ -76,6 +76,10 @@ class Frontier(unittest.TestCase):
                           made(LOOSE, 55, 0, build={"slow": 1})))  # fmt: skip
         self.assertEqual([r.query_ns for r in frontier.frontier(found)], [10, 50])
         self.assertEqual([frontier.promises(r) for r in found], [False, False, True, True, False])
+        fields = read(made(("dense", "field", "ours", "bounded"), 20, build={"resolution": 128}), made(("bvh", "bvh", "ours", "bounded"), 30))
+        self.assertEqual([frontier.promises(r) for r in fields], [False, True])  # a grid's bound is its own, not rounding's
+        self.assertEqual(winners.winners(fields)[0].best.method, "bvh")
+        self.assertEqual(advice.advise(advice.rungs(fields, ["k8"]), 0)[0].method, "bvh")
         (task,) = model.task_models(found)
         self.assertEqual([p["promise"] for p in model.points(task, found)], [False, False, True, True, False])
 
@@ -89,6 +93,11 @@ class Frontier(unittest.TestCase):
         row = list(read(made(error=9e-8)))[0]
         self.assertEqual(frontier.shown_error(row), 0)
         self.assertEqual(frontier.shown_error(list(read(made(error=2e-7)))[0]), 2e-7)
+
+    def test_without_a_floor_it_is_that_of_single_precision(self):
+        small, large = read(made(error=8e-11, error_floor=None), made(error=1e-7, error_floor=None, query_set="k9"))
+        self.assertEqual([frontier.shown_error(r) for r in (small, large)], [0, 1e-7])
+        self.assertEqual(advice.advise(advice.rungs([small], ["k8"]), 0)[0].method, "kd_tree")
 
 
 class Placing(unittest.TestCase):
@@ -129,8 +138,15 @@ class Placing(unittest.TestCase):
         self.assertEqual(notes["gone"]["y"], place.lanes["gone"])
 
     def test_row_without_a_verdict_is_shown_as_such(self):
-        found = list(read(made(error=None)))
-        self.assertEqual(list(layout.Layout(found, ["kd_tree"]).rails), ["unjudged"])
+        found = list(read(made(error=None), made(query_set="k9"), made(PEER, status="crashed", error=None)))
+        place = layout.Layout(found[:2], ["kd_tree"])
+        self.assertEqual(list(place.rails), ["unjudged"])
+        self.assertIn("timed", place.ticks().values())
+        self.assertEqual([n["note"] for n in layout.lane_notes(place, found[:1])], ["timed alone: nothing to judge here"])
+        self.assertEqual([name for name, *_ in place.zones()], ["exact"])  # it is no failure
+        place = layout.Layout(found, ["kd_tree", "nanoflann"])
+        (_, top, end), _ = place.zones()
+        self.assertTrue(top < place.y(found[2]) < end < place.y(found[0]))
 
 
 class Winners(unittest.TestCase):
@@ -154,8 +170,15 @@ class Winners(unittest.TestCase):
         (won,) = winners.winners(rows_here)
         self.assertEqual((won.best.method, won.ratio, won.beside_lucky, won.hardest), ("kd_tree", 3, 0.5, 0.5))
         told = winners.table(rows_here)
-        for text in ("kd_tree 3.00x~ [forest 0.50x]", "runs at 3.00x", "in 1 cell ours runs at 0.50x the speed of the fastest peer that had no error here, whatever it claims", "[…]"):
+        for text in ("kd_tree 3.00x~ [forest 0.50x~]", "runs at 3.00x", "in 1 cell ours runs at 0.50x the speed of the fastest peer that had no error here, whatever it claims", "[…]"):
             self.assertIn(text, told)
+        slow, near = made(METHOD, 100, low=90, high=110), made(PEER, 300, low=290, high=310)
+        for high, sure in ((80, True), (95, False)):  # ours lies above the peer in brackets, or overlaps with it
+            rows_here = list(read(slow, near, made(LOOSE, 70, low=60, high=high)))
+            self.assertIn("kd_tree 3.00x [forest 0.70x" + ("]" if sure else "~]"), winners.table(rows_here))
+            self.assertEqual("~ no clear" in winners.table(rows_here), not sure)
+        rows_here = list(read(slow, near, made(LOOSE, 105, low=95, high=115)))  # no faster than ours, and no slower for certain
+        self.assertIn('<td class="even">', pieces.winners_table(model.TaskModel("knn", rows_here), 0))
         slower = list(read(made(METHOD, 100), made(PEER, 300), made(LOOSE, 400)))
         self.assertIsNone(winners.winners(slower)[0].lucky)
         self.assertNotIn("[", winners.table(slower))
@@ -176,7 +199,12 @@ class Winners(unittest.TestCase):
         slowed = made(METHOD, 100, query_set="k99", query_cpu_ns=80.0)
         self.assertNotIn("busy", winners.table(list(read(*quiet))))
         self.assertIn("busy: in 1 of 20 timed cells", winners.table(list(read(*quiet, slowed))))
-        self.assertNotIn("busy", winners.table(list(read(*quiet, *[made(PEER, 90, query_cpu_ns=89.0)] , slowed | {"threads": 2}))))
+        pair = [slowed | {"threads": 2, "query_set": s} for s in ("k99_threads", "build_threads")]  # waits for the other
+        self.assertNotIn("busy", winners.table(list(read(*quiet, *[made(PEER, 90, query_cpu_ns=89.0)], *pair))))
+        alone = [r | {"query_cpu_ns": 50.0} for r in pair]  # one core for both, or a build that is not shared out
+        self.assertEqual(busy.shared(read(*alone)), (1, 1))
+        told = busy.warning(read(*quiet, *alone))
+        self.assertTrue(told.startswith("in 1 of 1 cell of several threads each had a core for less than 75% of the time"), told)
         self.assertEqual(busy.warning([]), "")
 
     def test_runs_are_not_mixed(self):
@@ -307,61 +335,6 @@ class Stability(unittest.TestCase):
         self.assertEqual(shown, [("inexact", "0.19"), ("ok", "")])
 
 
-class Series(unittest.TestCase):
-    @staticmethod
-    def threaded(method, ns, threads, *, build_s=1.0, **values):
-        return made(method, ns, low=0.9 * ns, high=1.1 * ns, query_set="knn8_threads", build_s=build_s, **values) | {
-            "threads": threads}  # fmt: skip
-
-    def test_speedup_is_of_the_configuration_that_is_fastest_alone(self):
-        slow, fast = {"leaf": 1}, {"leaf": 2}
-        found = list(read(self.threaded(METHOD, 200, 1, build=slow), self.threaded(METHOD, 50, 2, build=slow),
-                          self.threaded(METHOD, 100, 1, build=fast), self.threaded(METHOD, 60, 2, build=fast),
-                          self.threaded(METHOD, 40, 4, build=fast), self.threaded(PEER, 90, 2)))  # fmt: skip
-        told = {(r.method, r.threads): (times, low, high) for r, times, low, high in series.speedups(found, "query_ns")}
-        self.assertEqual(set(told), {("kd_tree", 2), ("kd_tree", 4)})  # the peer has no time alone to compare with
-        for threads, ns in ((2, 60), (4, 40)):
-            for figure, right in zip(told["kd_tree", threads], (100 / ns, 90 / (1.1 * ns), 110 / (0.9 * ns))):
-                self.assertAlmostEqual(figure, right)
-
-    def test_wrong_answers_have_no_speedup_and_builds_are_counted_once(self):
-        found = list(read(self.threaded(METHOD, 100, 1, build_s=4.0), self.threaded(METHOD, 50, 2, build_s=2.5),
-                          self.threaded(PEER, 10, 1, status="wrong", error=1.0), self.threaded(PEER, 5, 2)))  # fmt: skip
-        self.assertEqual([(r.method, x) for r, x, _, _ in series.speedups(found, "build_s")], [("kd_tree", 1.6)])
-        self.assertEqual([r.method for r, *_ in series.speedups(found, "query_ns")], ["kd_tree"])
-
-    def test_thread_rows_stay_out_of_every_other_chart(self):
-        found = read(made(), self.threaded(METHOD, 1, 1), self.threaded(METHOD, 0.5, 2))
-        (task,) = model.task_models(found)
-        self.assertEqual((len(task.soft), len(task.scaling), task.query_sets), (1, 2, ["k8"]))
-        self.assertEqual([w.query_set for w in winners.winners(found)], ["k8"])
-        (card,) = series.cards(task, model.numbers([task]))
-        self.assertEqual([f.title for f in card.figures], ["knn8: cube, 1k points", "build: cube, 1k points"])
-
-    def test_no_line_or_label_leaves_the_frame(self):
-        """Superlinear by luck: two threads five times as fast, and six for all that the intervals tell."""
-        (task,) = model.task_models(read(self.threaded(METHOD, 100, 1), self.threaded(METHOD, 20, 2)))
-        (card,) = series.cards(task, model.numbers([task]))
-        chart = card.figures[0].chart.to_dict()
-        ends = [layer["encoding"]["x"]["scale"]["domain"][1] for layer in chart["layer"] if "scale" in layer["encoding"]["x"]]
-        self.assertTrue(ends and all(end > 1.2 * 110 / 18 for end in ends), ends)
-
-    def test_one_thread_alone_makes_no_chart(self):
-        (task,) = model.task_models(read(made(), self.threaded(METHOD, 1, 1)))
-        self.assertEqual(series.cards(task, model.numbers([task])), [])
-
-    def test_batches_are_charted_by_the_fastest_right_configuration(self):
-        at = lambda batch, ns, query_set="batches16", method=METHOD, **values: made(
-            method, ns, query_set=query_set, **values) | {"knn_batch": batch}
-        found = read(at(1, 300, "single"), at(64, 90), at(64, 80, build={"leaf": 9}), at(64, 10, build={"leaf": 7}, status="wrong",
-                     error=1.0), at(64, 5, "asked16"), at(64, 70, method=PEER), made(query_set="knn8_after"))  # fmt: skip
-        (task,) = model.task_models(found)
-        told = {(r.method, batch): r.query_ns for r, batch in series.batch_points(task, task.soft)}
-        self.assertEqual(told, {("kd_tree", 1): 300, ("kd_tree", 64): 80, ("nanoflann", 64): 70})
-        (card,) = series.cards(task, model.numbers([task]))
-        self.assertEqual(len(card.figures), 1)
-
-
 class Approximate(unittest.TestCase):
     FOREST, MEANS = ("flann_forest", "forest", "peer", "approximate"), ("flann_kmeans", "kmeans", "peer", "approximate")
     LEAVES, BOUNDED = ("bvh_leaves", "bvh", "ours", "approximate"), ("bvh_epsilon", "bvh", "ours", "bounded")
@@ -378,7 +351,7 @@ class Approximate(unittest.TestCase):
         self.assertEqual([(r.recall, r.rival and r.rival.query_ns, r.verdict) for r in found],
                          [(0.4, 100, "beyond"), (0.9, 300, "on"), (0.95, 300, "behind"), (0.99, None, "beyond")])  # fmt: skip
         text = approximate.summary(found)
-        for words in ("2 of 4 lie beyond", "1 on it, 1 behind", "0.5 at least", "1 find more"):
+        for words in ("2 of 4 lie beyond", "1 on it, 1 behind", "0.5 at least", "1 finds more"):
             self.assertIn(words, text)
 
     def test_without_rivals_there_is_no_verdict(self):
@@ -415,6 +388,23 @@ class Small(unittest.TestCase):
         self.assertIn("with the user's points", model.bytes_title(task)[1])
         (older,) = model.task_models(list(read(made(bytes=8000))))  # rows that do not know: no word of it
         self.assertEqual(model.bytes_title(older), "bytes per point, log")
+
+    def test_where_a_wrong_answer_counts_one_the_worst_says_nothing(self):
+        wrong = made(error=0.009, error_max=1.0)
+        rows_here = read(*(wrong | {"task": t, "query_set": s} for t, s in (("inside", "far"), ("distance_field", "near"), ("distance_field", "trace"))))
+        self.assertEqual([r.error_max for r in rows_here], [None, 1.0, None])
+        inside = [rows_here.rows[0]]
+        self.assertEqual(advice.advise(advice.rungs(inside, ["far"]), 0.02)[0].method, "kd_tree")
+        self.assertIn("largest error 0.009", stability.Cell("wrong", inside[0], 1, 1).detail)
+
+    def test_errors_are_called_what_they_are(self):
+        field, shadow = tasks.text("distance_field"), tasks.text("shadow")
+        self.assertEqual([field.error_of(s) for s in ("near", "uniform")], ["mean error in longest sides", "share of wrong sides"])
+        self.assertEqual({t: tasks.text(t).mean for t in ("knn", "ray", "brdf_integral", "region_average", "light_transport", "shadow")},
+                         {"knn": True, "ray": True, "brdf_integral": False, "region_average": False, "light_transport": False,
+                          "shadow": False})  # fmt: skip
+        self.assertNotIn("mean over queries", page._meaning("shadow", shadow))
+        self.assertIn("Charted is the mean over queries.", page._meaning("distance_field", field))
 
     def test_no_two_methods_look_alike(self):
         found = model.task_models(

@@ -279,6 +279,15 @@ PROBE = """(async () => {
 })();"""
 
 
+def probed(text, script):
+    """What a script saw in a page."""
+    before, end, after = text.rpartition("</body>")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "probed.html"
+        path.write_text(f"{before}<script>{script}</script>{end}{after}")
+        return json.loads(browse(path).probe)
+
+
 class Odd(unittest.TestCase):
     """A page where datasets are asked different things, one method fails at one of them, and nothing is very accurate."""
 
@@ -287,12 +296,7 @@ class Odd(unittest.TestCase):
         loose = lambda dataset, query_set, **more: made(LOOSE, error=0.01, dataset=dataset, query_set=query_set, **more)
         broken = made(PEER, error=0.5, dataset="cube", query_set="far", status="wrong")
         text = page.build(read(loose("cube", "near"), loose("cube", "far", ns=200.0), broken, loose("ball", "far")), [])
-        before, end, after = text.rpartition("</body>")
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "odd.html"
-            path.write_text(f"{before}<script>{PROBE}</script>{end}{after}")
-            cls.page = browse(path)
-        cls.seen = json.loads(cls.page.probe)
+        cls.seen = probed(text, PROBE)
 
     def test_a_dataset_shows_a_set_that_it_was_asked(self):
         (_, asked), (_, other) = self.seen["sets"]["far"], self.seen["sets"]["near"]
@@ -306,6 +310,70 @@ class Odd(unittest.TestCase):
     def test_advice_starts_where_something_holds(self):
         self.assertEqual(self.seen["start"], "101")  # 0.01
         self.assertTrue(self.seen["take"].startswith("Take forest"), self.seen["take"])
+
+
+ASKED = """(async () => {
+  const root = document.documentElement, pause = () => new Promise((next) => setTimeout(next, 30));
+  while (root.dataset.ready !== "yes") await pause();
+  const seen = { advice: {}, axes: {}, absent: document.querySelector(".absent").textContent };
+  const box = document.querySelector(".advice"), get = (name) => box.querySelector(`[name="${name}"]`);
+  for (const set of ["near", "uniform"]) for (const position of [0, 81]) {
+    [get("set").value, get("tolerance").value] = [set, position];
+    get("tolerance").dispatchEvent(new Event("input", { bubbles: true }));
+    seen.advice[set + " " + position] = { answer: box.querySelector(".answer").textContent,
+      rungs: [...box.querySelectorAll(".rungs tr")].map((r) => [...r.cells].map((c) => c.textContent)) };
+  }
+  const select = document.querySelector(".choices select");
+  for (const set of ["near", "uniform"]) {
+    select.value = set;
+    select.dispatchEvent(new Event("change", { bubbles: true }));
+    await pause();
+    seen.axes[set] = [...document.querySelectorAll(".frontier .plot text")].map((e) => e.textContent);
+  }
+  const out = document.createElement("pre");
+  out.id = "probe";
+  out.textContent = JSON.stringify(seen);
+  document.body.append(out);
+})();"""
+
+
+class Words(unittest.TestCase):
+    """A task whose query sets mean different things by their error, of which one has no configuration without any."""
+
+    @classmethod
+    def setUpClass(cls):
+        rough, quick, gone = ((m, "field", "ours", "approximate") for m in ("rough", "quick", "gone"))
+        at = lambda method, ns, error, query_set="near", **more: made(method, ns, error, query_set=query_set, **more) | {"task": "distance_field"}
+        entries = [at(rough, 10, 1.0004e-4), at(quick, 884, 9e-5, low=870, high=900), at(METHOD, 886, low=872, high=902, error=0)]
+        entries += [at(rough, 10, 0.3, "uniform"), at(quick, 20, 0.2, "uniform"), at(METHOD, 30, 0.1, "uniform", error_max=1.0)]
+        for method in (quick, gone):
+            entries += [at(method, None, None, "uniform", query={"x": x}, status="unsupported", reason="as the first") for x in (1, 2)]
+        cls.seen = probed(page.build(read(*entries), []), ASKED)
+
+    def test_an_error_is_called_what_its_set_means_by_it(self):
+        titles = ("mean error in longest sides", "share of wrong sides")
+        for query_set, title, other in (("near", *titles), ("uniform", *titles[::-1])):
+            texts = self.seen["axes"][query_set]
+            self.assertTrue(title in texts and other not in texts, texts)
+        self.assertIn("share of wrong sides 0.1, above exact (uniform)", self.seen["advice"]["uniform 0"]["rungs"][0][3])
+
+    def test_a_broken_limit_differs_from_what_is_allowed(self):
+        self.assertIn("mean error in longest sides 1.0004e-4, above 1.0000e-4 (near)", self.seen["advice"]["near 81"]["answer"])
+
+    def test_a_lead_within_the_intervals_is_said_to_be_none(self):
+        told = self.seen["advice"]["near 81"]
+        self.assertTrue(told["answer"].startswith("Take quick: 884 ns"), told)
+        self.assertIn("within the intervals of the repetitions: as fast may be kd_tree at 886 ns, exact on every stated metric", told["answer"])
+        self.assertIn("may be as fast", told["rungs"][-1][3])
+
+    def test_where_nothing_holds_the_most_accurate_come_first(self):
+        told = self.seen["advice"]["uniform 81"]
+        self.assertIn("No configuration that was measured here meets", told["answer"])
+        self.assertEqual([r[1] for r in told["rungs"]], ["kd_tree", "quick", "rough"])
+
+    def test_what_was_measured_in_part_is_not_called_absent(self):
+        self.assertEqual(self.seen["absent"], "Not measured here: 2 configurations of quick (unsupported: as the first); "
+                         "gone (unsupported: as the first).")  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -60,6 +60,13 @@ class Cards(unittest.TestCase):
         self.assertIn("16 rays: 0.04", str(values_of(card.figures[0].chart)))
         self.assertIn("measured here", card.caption)
 
+    def test_no_shadow_is_a_line_and_no_mark(self):
+        """In no time it would stretch the axis; and so would errors that nobody sees."""
+        cards, _ = cards_of(row(NONE, "slit", ns=0.04, penumbra=0.5, penumbra_share=0.5), row(PCF, "slit", penumbra=2e-6, penumbra_share=0.5))
+        found = values_of(cards["Beside 16 rays a pixel"].figures[0].chart)
+        self.assertEqual({(v["method"], v["y"]) for v in found if "method" in v}, {("pcf", shadows.LEAST_ERROR)})
+        self.assertIn("no shadow: 0.5", {v.get("text") for v in found})
+
     def test_a_chart_that_stands_alone_names_its_methods(self):
         _, task = cards_of(row(MAP, "slit", penumbra=0.2, penumbra_share=0.5), row(PCF, "slit", penumbra=0.1, penumbra_share=0.5))
         with tempfile.TemporaryDirectory() as folder:
@@ -88,6 +95,23 @@ class Cards(unittest.TestCase):
         (figure,) = cards["What theory says"].figures
         mark = next(v for v in values_of(figure.chart) if "label" in v)
         self.assertEqual((mark["low"], mark["high"]), (0.48, 0.52))
+
+    def test_a_mark_of_theory_tells_its_case_and_knobs(self):
+        """The page shows what a list of fields says; a single field comes as a text, of which it knows no name."""
+        cards, _ = cards_of(row(MAP, "tilted", query={"bias": 0}, hard=True, figure="shadow_gap", figure_value=0.5, gap=0.49))
+        chart = cards["What theory says"].figures[0].chart
+        tooltip = chart.to_dict()["layer"][-1]["encoding"]["tooltip"]
+        self.assertTrue({"label", "case", "knobs"} <= {part["field"] for part in tooltip})
+        mark = next(v for v in values_of(chart) if "label" in v)
+        self.assertEqual((mark["label"], mark["case"], mark["knobs"]), ("shadow_map", "tilted, image", "bias 0"))
+
+    def test_bars_of_theory_stay_within_their_chart(self):
+        cards, _ = cards_of(*(row(MAP, f"tilted_{k}", hard=True, figure="shadow_gap", figure_value=v, figure_slack=0.3, gap=0.1)
+                              for k, v in enumerate((0.1, 0.2))))  # fmt: skip
+        chart = cards["What theory says"].figures[0].chart
+        low, high = chart.to_dict()["layer"][1]["encoding"]["y"]["scale"]["domain"]
+        bars = [v for v in values_of(chart) if "label" in v]
+        self.assertTrue(all(low <= v["low"] and v["high"] <= high for v in bars), (bars, low, high))
 
     def test_marks_stand_out_from_both_grounds(self):
         def luminance(color):
@@ -167,6 +191,13 @@ class Claims(unittest.TestCase):
         rows = [row(m, "shadow_eye_inside_volume_0", hard=True, false_lit=lit, false_dark=0.0)
                 for m, lit in ((PASS, 0.9), (FAIL, 0.0))]  # fmt: skip
         self.assertEqual(verdict("H11", *rows).word, claims.HOLDS)
+
+    def test_as_wrong_as_another_is_not_right(self):
+        field = ("distance_field", "field", "ours", "approximate")
+        rows = [row(field, "slit", query={"form": form}, penumbra=0.2, penumbra_share=0.5) for form in ("one_sided", "disc")]
+        v = verdict("H12", *rows)
+        self.assertEqual((v.word, [s[1] for s in v.figures]), (claims.FAILS, [0.2, 1]))
+        self.assertIn("or how many times another's", v.figure)
 
     def test_split(self):
         rows = [row(NONE, f"shadow_sphere_over_floor_{s}", hard=True, split=e, penumbra_share=0.2)

@@ -56,6 +56,15 @@ class Cards(unittest.TestCase):
         self.assertIn("−0.50", text)
         self.assertIn("−1.00", text)
 
+    def test_marks_say_what_they_are(self):
+        fall = [samples("random", n, e) for n, e in ((16, 0.4), (64, 0.2))]
+        furnace = [row(TERM, "furnace", s, build={"compensation": "none"}, answer=a, truth=1) for s, a in (("white_0.5", 0.7), ("white_1", 0.4))]
+        halo = [row(OWN, "beckmann_0.1", "albedo", 0.1, query={"points": "random", "samples": 16}, beyond_10=0.5, beyond_20=0.1)]
+        cards = cards_of(*fall, *furnace, *halo)
+        for title in ("Errors fall", "White furnace", "Halo"):
+            told = [layer["encoding"].get("tooltip") for layer in cards[title].figures[0].chart.to_dict()["layer"]]
+            self.assertTrue(any(isinstance(t, list) and len(t) > 1 for t in told), title)
+
     def test_what_is_exact_but_for_rounding_neither_falls_nor_ranks(self):
         exact = [samples("random", n, e) for n, e in ((16, 3e-16), (1024, 4e-16))]
         cards = cards_of(*exact)

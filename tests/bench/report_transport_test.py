@@ -55,18 +55,54 @@ class Cards(unittest.TestCase):
         rows += [row(MIS, {"samples": 64, "bounces": 2}, 0.5), row(MIS, {"samples": 64, "survival": 0.5}, 0.5)]
         cards, _ = cards_of(*rows)
         texts = {v["text"] for v in values_of(cards["Convergence"].figures[0].chart) if "text" in v}
-        self.assertEqual(texts, {"mis −1.00", "mis (sobol) −1.50"})
+        self.assertEqual(texts, {"mis −1.00 ± 0.00", "mis (sobol) −1.50 ± 0.00"})
+
+    def test_slopes_say_how_sure_they_are(self):
+        """log2 of y is 0, −1, −1, −2 at 0, 1, 2, 3: the slope −0.6, and 0.2 the sum of squares off it; of two points nothing."""
+        points = [(1, 1.0), (2, 0.5), (4, 0.5), (8, 0.25)]
+        self.assertAlmostEqual(transport.slope(points), -0.6)
+        self.assertAlmostEqual(transport.slope_error(points), (0.2 / 2 / 5) ** 0.5)
+        self.assertEqual(transport.slope_text(points), " −0.6 ± 0.1")
+        self.assertEqual(transport.slope_text(points[:2]), "")
+        self.assertEqual(transport.slope_text([(x, 1 / y) for x, y in points]), " +0.6 ± 0.1")
+        self.assertIsNone(transport.slope_error(points[:2]))
+
+    def test_labels_keep_their_distance_beside_a_floor(self):
+        """The axis reaches down to the truth's noise, and so a label's height is worth more of it."""
+        methods = [(f"m{k}", "bvh", "ours", "stochastic") for k in range(8)]
+        rows = [row(m, {"samples": n}, (1 + k / 100) / n) | {"error_floor": 1e-4} for k, m in enumerate(methods) for n in (1, 4, 16)]
+        chart = cards_of(*rows)[0]["Convergence"].figures[0].chart.to_dict()
+        low, high = map(log10, chart["layer"][0]["encoding"]["y"]["scale"]["domain"])
+        places = sorted(log10(v["at"]) for v in values_of(cards_of(*rows)[0]["Convergence"].figures[0].chart) if "at" in v)
+        self.assertEqual(len(places), 8)
+        self.assertGreater(min(b - a for a, b in zip(places, places[1:])) / (high - low) * chart["height"], 9.5)
+
+    def test_an_axis_does_not_blow_up_noise(self):
+        low, high = transport.at_least([2.4e-5, 2.42e-5])
+        self.assertAlmostEqual(high / low, transport.NARROWEST)
+        self.assertAlmostEqual(low * high, 2.4e-5 * 2.42e-5)
+        self.assertEqual(transport.at_least([1.0, 50.0]), [1.0, 50.0])
+
+    def test_marks_without_a_row_say_what_they_are(self):
+        """The page shows lists of fields; of a single one it gets a text alone."""
+        rows = [row(LITERAL, {"samples": 64, "slip": "emitters"}, bias=-0.2, bias_error=0.01),
+                *(row(MIS, {"samples": 64, "bounces": b}, bias=-1 / b, bias_error=0.01) for b in (1, 2)),
+                row(WHITTED, {"samples": 4, "bounces": 2}, bounce_1=1.5, bounce_2=2.0)]  # fmt: skip
+        cards, _ = cards_of(*rows)
+        for title in ("The textbook's path tracer", "How many bounces", "Rays by the bounce"):
+            found = [layer["encoding"].get("tooltip") for layer in cards[title].figures[0].chart.to_dict()["layer"]]
+            self.assertTrue(any(isinstance(t, list) and len(t) > 1 for t in found), title)
 
     def test_what_lies_at_the_truths_own_noise_has_no_slope_and_no_rank(self):
-        """0.1 squared is the truth's relMSE: the last two of mis are its noise, and all of path_cosine."""
+        """0.1 squared is the truth's relMSE: the last two of mis are its noise, and all but one of path_cosine."""
         def noisy(method, n, rel_mse):
             return row(method, {"samples": n}, rel_mse) | {"error_floor": 0.1}
 
-        rows = [noisy(MIS, n, e) for n, e in ((1, 1.6), (4, 0.4), (16, 0.02), (64, 0.012))]
+        rows = [noisy(MIS, n, e) for n, e in ((1, 1.6), (4, 0.4), (8, 0.2), (16, 0.02), (64, 0.012))]
         rows += [noisy(PATH, n, e) for n, e in ((1, 0.02), (4, 0.02), (16, 0.02), (64, 0.3))]
         cards, _ = cards_of(*rows)
         values = values_of(cards["Convergence"].figures[0].chart)
-        self.assertEqual({v["text"] for v in values if "text" in v}, {"mis −1.00", "path_cosine"})
+        self.assertEqual({v["text"] for v in values if "text" in v}, {"mis −1.00 ± 0.00", "path_cosine"})
         self.assertEqual({v["y"] for v in values if "low" in v}, {0.1**2})
         self.assertEqual([v["series"] for v in values_of(cards["Efficiency"].figures[0].chart)], ["path_cosine"])
         self.assertIn("some of cornell_box", cards["Efficiency"].caption)
@@ -86,6 +122,13 @@ class Cards(unittest.TestCase):
             for figure in card.figures:
                 svg = vl_convert.vegalite_to_svg(charts.theme(figure.chart).to_json())
                 self.assertIn("mark-symbol", svg, figure.name)
+
+    def test_lines_of_a_bias_span_as_much_as_is_said(self):
+        card = cards_of(row(LITERAL, {"samples": 64, "slip": "emitters"}, bias=-0.2, bias_error=0.01))[0]["The textbook's path tracer"]
+        self.assertIn("four standard errors to each side", card.caption)
+        mark = next(v for v in values_of(card.figures[0].chart) if "lo" in v)
+        self.assertAlmostEqual(mark["x"] - mark["lo"], 4 * 0.01)
+        self.assertAlmostEqual(mark["hi"] - mark["x"], 4 * 0.01)
 
     def test_efficiency_is_over_error_and_time(self):
         cards, _ = cards_of(row(MIS, {"samples": 64}, 0.01, 1000.0), row(PATH, {"samples": 64}, 0.04, 500.0))
@@ -149,6 +192,10 @@ class Claims(unittest.TestCase):
         v = verdict("L8", wrong, right)
         self.assertEqual((v.word, v.condition), (claims.ONLY_IF, "put right in all of this (bias +0.00 %)"))
         self.assertEqual(verdict("L8", wrong).word, claims.FAILS)
+        walls = verdict("L8", row(CORRECTED, {"samples": 64}, query_set="walls", bias=0.0005, z=-2.79))
+        self.assertNotIn("bias", walls.figures[0][0])  # that of all walls together is not the z's
+        both = verdict("L8", right, row(CORRECTED, {"samples": 64}, query_set="walls", bias=0.0005, z=-2.79))
+        self.assertIn("(a wall of the box; of images bias +0.00 % at z 0.7)", both.figures[0][0])
         few = row(CORRECTED, {"samples": 4}, z=9.0)  # too few for z to be normal
         self.assertEqual(verdict("L8", few).word, claims.NOT_RUN)
 

@@ -1,6 +1,9 @@
 // The advice: the cheapest configuration that meets the tolerance on every stated metric; ../advice.py says the same.
 "use strict";
-const METRICS = { error: "mean error", error_max: "worst error", error_p99: "99 % quantile", error_mean: "mean of all answers", bias: "bias" };
+const METRICS = { error: "error", error_max: "worst error", error_p99: "99 % quantile", error_mean: "mean of all answers", bias: "bias" };
+
+/// What a metric is called; the error by what the task, or the query set, means by it.
+const metricName = (m, r) => (m === "error" ? errorName(r.task, r.set).replace(/ \(.*/, "") : METRICS[m]);
 
 /// Slider position 0 is exact; then ten steps a decade from 1e-12 to 1.
 const toleranceAt = (position) => (position === 0 ? 0 : Number(Math.pow(10, -12 + (position - 1) / 10).toPrecision(3)));
@@ -29,7 +32,7 @@ function limitOf(rung, tolerance) {
   for (const r of rung.rows) {
     if (r.status !== "ok") return { set: r.set, name: r.status.replace(/_/g, " "), figure: null };
     const allowed = Math.max(tolerance, r.floor || 0);
-    for (const m in METRICS) if (r[m] !== null && Math.abs(r[m]) > allowed) return { set: r.set, name: METRICS[m], figure: Math.abs(r[m]) };
+    for (const m in METRICS) if (r[m] !== null && Math.abs(r[m]) > allowed) return { set: r.set, name: metricName(m, r), figure: Math.abs(r[m]) };
     if (r.error === null) return { set: r.set, name: "nothing tells how far off its answers are", figure: null };
   }
   // Down there a promise is asked for, and a sample without errors is none.
@@ -41,19 +44,48 @@ function limitOf(rung, tolerance) {
 
 /// The largest of each stated error over the query sets, in words.
 function errorsText(rung) {
-  const parts = [];
-  for (const m in METRICS) {
-    const values = rung.rows.filter((r) => r[m] !== null).map((r) => (Math.abs(r[m]) <= (r.floor || 0) ? 0 : Math.abs(r[m])));
-    if (values.length) parts.push([METRICS[m], Math.max(...values)]);
-  }
+  const largest = new Map(); // sets may mean different things by their error
+  for (const m in METRICS)
+    for (const r of rung.rows.filter((r) => r[m] !== null && !(m === "error_mean" && r[m] === r.error))) { // no news
+      const name = metricName(m, r), value = Math.abs(r[m]) <= (r.floor || 0) ? 0 : Math.abs(r[m]);
+      largest.set(name, Math.max(value, largest.get(name) || 0));
+    }
+  const parts = [...largest];
   if (parts.every(([, v]) => v === 0))
-    return rung.rows.every((r) => r.promise) ? "exact on every stated metric" : "approximate; exact on this sample";
+    return rung.rows.every((r) => r.promise) ? "exact on every stated metric" : "exact on this sample alone, as nothing is promised for others";
   return parts.map(([name, v]) => `${name} ${v === 0 ? "exact" : figure(v)}`).join(", ");
 }
 
 const rungName = (r) => r.method + ([r.build, r.query].filter(Boolean).length ? ` (${[r.build, r.query].filter(Boolean).join("; ")})` : "");
-const limitText = (limit, tolerance) =>
-  (limit.figure === null ? limit.name : `${limit.name} ${figure(limit.figure)}, above ${tolerance === 0 ? "exact" : figure(tolerance)}`) + ` (${limit.set})`;
+const limitText = (limit, tolerance) => {
+  const [is, allowed] = limit.figure === null ? [] : tolerance === 0 ? [figure(limit.figure), "exact"] : toldApart(limit.figure, tolerance);
+  return (limit.figure === null ? limit.name : `${limit.name} ${is}, above ${allowed}`) + ` (${limit.set})`;
+};
+
+/// Lowest and highest cost that the repetitions leave, or null.
+function intervalOf(rung) {
+  if (rung.rows.some((r) => r.lo === null || r.hi === null || r.lo === r.hi)) return null;
+  const sum = (name) => rung.rows.reduce((all, r) => all + r[name], 0);
+  return [sum("lo"), sum("hi")];
+}
+function asFast(a, b) {
+  const [x, y] = [intervalOf(a), intervalOf(b)];
+  return x !== null && y !== null && x[0] <= y[1] && y[0] <= x[1];
+}
+
+/// Largest error over the sets, for the order where nothing holds: what has none, or broke, comes last.
+const errorOf = (rung) =>
+  rung.rows.some((r) => r.error === null || r.status !== "ok") ? Infinity : Math.max(...rung.rows.map((r) => Math.abs(r.error)));
+
+/// Other rungs that hold in a time that cannot be told from the chosen one's; those that promise as much first.
+const MOST_TIES = 4;
+function tiesText(best, ties) {
+  const promised = (rung) => rung.rows.every((r) => r.promise);
+  const order = [...ties.filter(promised), ...ties.filter((r) => !promised(r))];
+  const named = order.slice(0, MOST_TIES).map((r) => `${rungName(r)} at ${duration(r.cost)}, ${errorsText(r)}`).join("; or ");
+  const more = order.length > MOST_TIES ? `; and ${order.length - MOST_TIES} more` : "";
+  return `The lead of ${rungName(best)} is within the intervals of the repetitions: as fast may be ${named}${more}.`;
+}
 
 // The query sets on which --advise measures; of older rows, which do not say, those that every method answers.
 function askedSets(rows) {
@@ -90,25 +122,27 @@ function updateAdvice(box) {
   get("tolerance").setAttribute("aria-valuetext", words);
   box.querySelector(".value").textContent = words;
   const { ladder, sets } = ladderOf(box);
-  const at = ladder.findIndex((r) => limitOf(r, tolerance) === null);
+  const at = ladder.findIndex((r) => limitOf(r, tolerance) === null), best = ladder[at];
+  const ties = at < 0 ? [] : ladder.slice(at + 1).filter((r) => limitOf(r, tolerance) === null && asFast(best, r));
   const out = box.querySelector(".answer");
   if (at < 0) {
     out.innerHTML = ladder.length
-      ? `<p class="take">No configuration that was measured here meets ${words}.</p>` : '<p class="take">Nothing was measured here.</p>';
+      ? `<p class="take">No configuration that was measured here meets ${words}. The most accurate:</p>` : '<p class="take">Nothing was measured here.</p>';
   } else {
-    const best = ladder[at], below = ladder[at - 1];
+    const below = ladder[at - 1];
     const cost = sets.length > 1 ? ` for one ${model.tasks[task].queryWord} of each of the ${sets.length} sets` : ` per ${model.tasks[task].queryWord}`;
     out.innerHTML =
       `<p class="take">Take <b>${escapeHtml(rungName(best))}</b>: ${duration(best.cost)}${cost}; ${errorsText(best)}.</p>` +
       `<p class="below">` + (below
         ? `The rung below, ${escapeHtml(rungName(below))} at ${duration(below.cost)}, breaks: ${escapeHtml(limitText(limitOf(below, tolerance), tolerance))}.`
-        : "There is no rung below: this is the cheapest that was measured.") + "</p>";
+        : "There is no rung below: this is the cheapest that was measured.") + "</p>" +
+      (ties.length ? `<p class="below ties">${escapeHtml(tiesText(best, ties))}</p>` : "");
   }
-  const near = ladder.slice(Math.max(0, at - 4), (at < 0 ? ladder.length : at) + 4).slice(0, 8);
+  const near = at < 0 ? [...ladder].sort((a, b) => errorOf(a) - errorOf(b) || 0).slice(0, 8) : ladder.slice(Math.max(0, at - 4), at + 4);
   box.querySelector(".rungs").innerHTML = near.map((r) => {
     const limit = limitOf(r, tolerance);
-    const mark = r === ladder[at] ? ' class="taken"' : limit ? ' class="broken"' : "";
+    const mark = r === best ? ' class="taken"' : limit ? ' class="broken"' : "";
     return `<tr${mark}><td>${limit ? "✗" : "✓"}</td><td>${escapeHtml(rungName(r))}</td><td>${duration(r.cost)}</td>` +
-      `<td>${limit ? escapeHtml(limitText(limit, tolerance)) : r === ladder[at] ? "the cheapest that holds" : "holds, but costs more"}</td></tr>`;
+      `<td>${limit ? escapeHtml(limitText(limit, tolerance)) : r === best ? "the cheapest that holds" : ties.includes(r) ? "holds, and may be as fast" : "holds, but costs more"}</td></tr>`;
   }).join("");
 }

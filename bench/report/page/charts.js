@@ -15,7 +15,7 @@ function tipHtml(r) {
     "<table>" +
     line("time", r.ns === null ? "–" : duration(r.ns) + (r.lo === null ? "" : ` (${duration(r.lo)} to ${duration(r.hi)}` + (r.reps ? `, ${r.reps} repetitions)` : ")"))) +
     line("CPU time", duration(r.cpu)) +
-    line("error", r.error === null ? "–" : figure(r.error) + (exact ? (r.promise ? " (exact)" : " (approximate; exact on this sample)") : "")) +
+    line("error", r.error === null ? "–" : figure(r.error) + (exact ? (r.promise ? " (exact)" : " (exact on this sample alone)") : "")) +
     line("worst", figure(r.error_max)) + line("99 % below", figure(r.error_p99)) + line("mean", figure(r.error_mean)) +
     line("bias", figure(r.bias)) + line("recall", share(r.recall)) + line("truth's floor", figure(r.floor)) +
     line("also", r.extra) +
@@ -62,10 +62,11 @@ function refresh(chart) {
   return view.data("points", pointsOf(chart, list)).runAsync();
 }
 
-/// The points of a chart; of the frontier with a note in each lane that has none.
+/// The points of a chart; of the frontier with a note in each lane that has none, and the title of its axis.
 function pointsOf(chart, list) {
-  const notes = chart.lanes ? laneNotes(chart.lanes, chosen(chart.task, chart.dataset, choice(chart.task))) : [];
-  return [...list.map(point), ...notes];
+  if (!chart.lanes) return list.map(point);
+  const c = choice(chart.task), axis = errorName(chart.task, shownSet(chart.task, chart.dataset, c));
+  return [...list.map(point), ...laneNotes(chart.lanes, chosen(chart.task, chart.dataset, c)), { axis, y: chart.middle }];
 }
 
 async function draw(chart) {
@@ -123,7 +124,12 @@ function updateCard(card) {
   card.querySelector(".size").textContent = list.length
     ? several(list[0].n, element) + other : "not measured at this size";
   const absent = list.filter((r) => r.status === "unsupported" || r.status === "not_built");
-  const texts = firstOf(absent, (r) => r.method).map((r) => `${r.method} (${r.status.replace("_", " ")}${r.reason ? ": " + r.reason : ""})`);
+  const tried = new Set(list.filter((r) => !absent.includes(r)).map((r) => r.method));
+  const texts = firstOf(absent, (r) => r.method).map((r) => {
+    const count = absent.filter((other) => other.method === r.method).length;
+    const some = tried.has(r.method) ? `${count} configuration${count > 1 ? "s" : ""} of ` : ""; // others of it were measured
+    return `${some}${r.method} (${r.status.replace("_", " ")}${r.reason ? ": " + r.reason : ""})`;
+  });
   card.querySelector(".absent").textContent = texts.length ? "Not measured here: " + texts.join("; ") + "." : "";
   const details = card.querySelector("details.all");
   if (details.open) fillTable(details, list);

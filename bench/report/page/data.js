@@ -42,6 +42,9 @@ function shownSet(task, dataset, c) {
   return sets.includes(c.set) ? c.set : sets.find((s) => s !== "") ?? c.set;
 }
 
+/// What the error of a query set is.
+const errorName = (task, set) => model.tasks[task].errors[set] ?? model.tasks[task].error;
+
 /// Rows of a dataset under a choice; `sizes` keeps every size.
 function chosen(task, dataset, c, sizes = false, sets = false) {
   const mine = rowsOf(task, dataset).filter((r) => r.run === c.run && (r.threads === c.threads || r.threads === null));
@@ -56,8 +59,8 @@ function point(r) {
     i: r.i, method: r.method, x: r.ns,
     lo: r.lo === null ? r.ns : r.lo, hi: r.hi === null ? r.ns : r.hi,
     y: r.y, front: !!r.front, promise: !!r.promise, best: !!r.best, slot: r.slot, n: r.n,
-    cells: resolution ? Number(resolution[1]) : null,
-    build: r.build_s === null || !r.n ? null : Math.max((r.build_s * 1e9) / r.n, model.table.least),
+    cells: resolution ? Number(resolution[1]) : null, asked: r.query,
+    build: r.built === null ? null : Math.max(r.built, model.table.least),
     bytes: r.bytes === null || !r.n ? null : Math.max((r.bytes + (r.kept || 0)) / r.n, model.table.least),
     own: r.bytes === null || !r.n ? null : Math.max(r.bytes / r.n, model.table.least),
   };
@@ -72,6 +75,7 @@ function laneNotes(lanes, list) {
     const failed = mine.find((r) => r.status !== "ok" && !absent(r)), missing = mine.find(absent);
     const reason = missing ? missing.reason || missing.status.replace(/_/g, " ") : "not measured here";
     const note = mine.some(drawn) ? "not without error here"
+      : mine.some((r) => r.status === "ok" && r.ns !== null) ? "timed alone: nothing to judge here"
       : failed ? failed.status.replace(/_/g, " ") + " here"
       : reason.length <= model.table.note_most ? reason : "not offered here (reason below)";
     return { method, y, note };
@@ -89,7 +93,7 @@ const chartRows = {
   fixed: () => [],
   frontier: (task, dataset, c) => chosen(task, dataset, c).filter((r) => r.y !== null),
   build: (task, dataset, c) =>
-    firstOf(chosen(task, dataset, c, false, true).filter((r) => r.build_s !== null), (r) => r.method + "|" + r.build),
+    firstOf(chosen(task, dataset, c, false, true).filter((r) => r.built !== null), (r) => r.method + "|" + r.build),
   bytes: (task, dataset, c) =>
     firstOf(chosen(task, dataset, c, false, true).filter((r) => r.bytes !== null), (r) => r.method + "|" + r.build),
   scaling: (task, dataset, c) => chosen(task, dataset, c, true).filter((r) => r.best),
@@ -103,6 +107,16 @@ const figure = (v) => {
   const a = Math.abs(v);
   if (a >= 1e-3 && a < 1e5) return a < 1000 ? String(Number(v.toPrecision(3))) : Math.round(v).toLocaleString("en");
   return v.toExponential(1).replace("e+", "e").replace(".0e", "e");
+};
+/// Two figures that are not the same, with as many digits as tell them apart.
+const toldApart = (a, b) => {
+  const enough = (v, digits) => {
+    const small = Math.abs(v) < 1e-3 || Math.abs(v) >= 1e5;
+    return small ? v.toExponential(digits - 1).replace("e+", "e") : String(Number(v.toPrecision(digits)));
+  };
+  let texts = [figure(a), figure(b)];
+  for (let digits = 3; texts[0] === texts[1] && digits < 17; ++digits) texts = [enough(a, digits), enough(b, digits)];
+  return texts;
 };
 const duration = (ns) => {
   if (ns === null) return "–";
