@@ -2,8 +2,8 @@
 
 from math import sqrt
 
-from bench.report import charts
-from bench.report.palette import INK
+from bench.report import charts, shadow_claims
+from bench.report.palette import BLUE, INK, ORANGE, VERMILION
 from bench.report.series import Card, Figure
 from bench.report.units import several
 
@@ -30,7 +30,7 @@ LEAST_ERROR = 1e-4  # a fortieth of a level of 256: what is below it nobody sees
 def cards(task, numbers, width="container", legend=False):
     if task.name != "shadow":
         return []
-    made = (_beside_rays(task, numbers, width, legend), _widths(task, numbers, width))
+    made = (_beside_rays(task, numbers, width, legend), _widths(task, numbers, width), _split(task, width))
     return [card for card in made if card.figures]
 
 
@@ -138,6 +138,44 @@ def _width_chart(values, looks, width):
         x=alt.X("x:Q", scale=scale))  # fmt: skip
     dots = charts._points(alt.Chart(alt.Data(values=values)), looks, False).encode(x=x, y=y)
     return charts.layered(one, dots, width=width, height=alt.Step(15))
+
+
+# ---- visibility taken out of the integral ------------------------------------------------------------------------------
+
+SPLIT = """A shadow as a share of the light, times what the whole light would bring, is not what it does bring. By the surface's
+roughness α (GGX, in its highlight, where the eye sees the middle of the light mirrored) and the radius of a disc light 5 m above a
+ball's shadow: how far the share of the light's area is from the share of what reaches the eye, over the image; all of what stands
+above the dashed line is seen. Errors below {least:g} stand at it."""
+
+
+def _split(task, width):
+    values = []
+    for radius, row in shadow_claims.split_rows(shadow_claims.Rows(task.rows)):
+        for alpha in (None, *shadow_claims.SPLIT_ALPHAS):
+            error = shadow_claims.field(row, shadow_claims.split_field(alpha))
+            if error is not None:
+                values.append({"surface": f"α = {alpha:g}" if alpha else "diffuse", "radius": f"{radius} m",
+                               "y": max(error, LEAST_SPLIT), "told": f"{error:.2g}"})  # fmt: skip
+    figures = [Figure(f"{task.name}-split", "sphere_over_floor", "sphere_over_floor", _split_chart(values, width))] if values else []
+    return Card(f"{task.name}-card-split", "Visibility taken out of the integral", SPLIT.format(least=LEAST_SPLIT), figures)
+
+
+LEAST_SPLIT = 1e-5
+
+
+def _split_chart(values, width):
+    radii = list(dict.fromkeys(v["radius"] for v in values))
+    surfaces = list(dict.fromkeys(v["surface"] for v in values))
+    color = alt.Color("radius:N", scale=alt.Scale(domain=radii, range=[BLUE, ORANGE, VERMILION][: len(radii)]), legend=None)
+    x = alt.X("surface:O", sort=surfaces, axis=alt.Axis(title="surface, from rough to smooth", labelAngle=0, grid=False))
+    scale = alt.Scale(type="log", nice=False, padding=10)
+    y = alt.Y("y:Q", scale=scale, axis=alt.Axis(title="RMS error, share of the light, log", format=".0e", tickCount=6, gridOpacity=0.5))
+    base = alt.Chart(alt.Data(values=values)).encode(x=x, y=y, color=color)
+    names = base.transform_filter(alt.datum.surface == surfaces[-1]).mark_text(align="left", dx=8, fontSize=10).encode(text="radius:N")
+    seen = alt.Chart(alt.Data(values=[{"y": shadow_claims.UNSEEN}])).mark_rule(color=INK, strokeDash=[4, 3], opacity=0.6)
+    dots = base.mark_point(filled=True, size=50).encode(
+        tooltip=[alt.Tooltip("radius:N", title="radius"), alt.Tooltip("surface:N"), alt.Tooltip("told:N", title="error")])  # fmt: skip
+    return charts.layered(seen.encode(y=alt.Y("y:Q", scale=scale)), base.mark_line(strokeWidth=1.4), dots, names, width=width, height=240)
 
 
 def rms(values):

@@ -1,5 +1,7 @@
 #include "bench/shadow/block.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -9,6 +11,7 @@
 #include "bench/shadow/figures.hpp"
 #include "bench/shadow/judge.hpp"
 #include "bench/shadow/lights.hpp"
+#include "bench/shadow/split.hpp"
 #include "shading/shadow/light_view.hpp"
 
 namespace treeline::bench::shadow {
@@ -16,7 +19,6 @@ namespace {
 
 constexpr std::size_t most_moving = 4096;       // receivers of the set `motion`
 constexpr double texel_of_motion = 0.1 / 1024;  // of the light's view
-constexpr int split_samples = 256;
 constexpr double forgiven = 1e-4;  // of the diagonal: so near to a hard shadow's border nobody is wrong
 
 std::vector<Receiver> on_line(const datasets::ReceiverLine& line) {
@@ -199,9 +201,15 @@ void ShadowBlock::find_truth() {
   split();
 }
 
-double ShadowBlock::split() {
-  if (!split_)
-    split_ = split_error(input_.scene, tree_, image_.list, truth(0), split_samples, input_.threads);
+/// Fields of the row: what a diffuse surface is off by, and a GGX one of each roughness.
+const Knobs& ShadowBlock::split() {
+  if (split_) return *split_;
+  const auto off = split_errors(input_.scene, tree_, image_.list, truth(0), {}, input_.threads);
+  split_.emplace();
+  for (std::size_t k = 0; k < off.size(); ++k)
+    (*split_)[std::isinf(split_roughness[k]) ? "shadow_split"
+                                             : fmt::format("shadow_split_ggx_{:g}", split_roughness[k])] =
+        off[k];
   return *split_;
 }
 
@@ -257,7 +265,7 @@ Errors ShadowBlock::check(std::size_t m, const Subject& subject, std::size_t que
       e.reason = "receiver " + std::to_string(*i) + " is answered " + std::to_string(made.answers[*i]) +
                  ", true is " + std::to_string(truth.visibility[*i]) + " there and all around it";
     }
-  if (set.what == What::image) e.extra["shadow_split"] = split();
+  if (set.what == What::image) e.extra.update(split());
   if (set.line) note_line(*set.line, made, truth, e.extra);
   if (const auto figure = figure_of(input_.scene, query_sets_[query_set].name, set.receivers,
                                     methods_[m].info.name, made.build_knobs(), query_knobs)) {

@@ -54,7 +54,7 @@ class ShadowBlock final : public Block {
   const Truth& truth(std::size_t query_set) { return truth_of(query_set).front(); }
 
  private:
-  double split();
+  const Knobs& split();
 
   enum class What { image, line, motion };
   struct Set;
@@ -74,7 +74,7 @@ class ShadowBlock final : public Block {
   std::vector<shading::Scene> frames_;
   std::vector<Set> sets_;
   std::vector<QuerySet> query_sets_;
-  std::optional<double> split_;  // not yet known
+  std::optional<Knobs> split_;  // not yet known
 };
 
 /// Where the answers on a line from dark to light pass a share, as a share of the line; the first time

@@ -15,11 +15,11 @@
 // bias the signed mean (positive: too light). Errors of a single receiver are no limit of the advice: at a
 // hard shadow's border every map is off by 1 somewhere. Of motion the error is that of the change between
 // frames.
-// Fields of its own (shadow_…): judge.hpp; truth_samples (rays a receiver); of image split (split_error in
-// truth.hpp); of lines answered (the mean) and
-// levels (different answers); of edge width, width_true and width_error (10 to 90 % of the light, in lengths
-// of the scene, and relative); of contact gap and gap_texels (how far from the foot it is lit); of motion
-// crawl_peak; figure and figure_value (figures.hpp: what theory says one of these is).
+// Fields of its own (shadow_…): judge.hpp; truth_samples (rays a receiver); of image split and split_ggx_<α>
+// (split.hpp); of lines answered (the mean) and levels (different answers); of edge width, width_true and
+// width_error (10 to 90 % of the light, in lengths of the scene, and relative); of contact gap and gap_texels
+// (how far from the foot it is lit); of motion crawl_peak; figure and figure_value (figures.hpp: what theory
+// says one of these is).
 // Claims: of all methods, a share is one. exact, bounded: of a hard light, off by more than 0.1 only within
 // 1e-4 of the scene's diagonal from where the truth changes. approximate, stochastic: nothing more.
 #pragma once

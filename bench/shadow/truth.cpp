@@ -4,7 +4,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "bench/shadow/lights.hpp"
 #include "geometry/random.hpp"
 #include "geometry/sobol.hpp"
 #include "shading/shadow/surface_offset.hpp"
@@ -80,21 +79,18 @@ class Tracer {
     for (std::size_t k = 0; k < hit.size(); ++k) seen.half[k >= hit.size() / 2] += hit[k] ? 0 : 1;
     seen.samples = to;
   }
-  bool lit(const Receiver& r, const ToLight& to) const { return !tree_.any_hit(ray_along(r, to)); }
-  bool lit(const Receiver& r) const { return lit(r, to_light(scene_.light, r.position)); }
+  bool lit(const Receiver& r) const {
+    return !tree_.any_hit(shadow_ray(r, to_light(scene_.light, r.position), offset_));
+  }
 
  private:
   geometry::Rayf ray(const Receiver& r, int half, std::size_t i, int s) const {
     const std::uint64_t stream = geometry::hash_u64(seed_ + std::uint64_t(half), i);
     const auto index = static_cast<std::uint32_t>(s);
-    return ray_along(r, to_light(scene_.light, r.position, geometry::sobol_owen(index, 0, stream),
-                                 geometry::sobol_owen(index, 1, stream)));
-  }
-  geometry::Rayf ray_along(const Receiver& r, const ToLight& to) const {
-    const auto start = shading::shadow::shadow_start(r, to.direction, offset_);
-    geometry::Rayf ray{Vec3f(start.origin), Vec3f(to.direction), static_cast<float>(start.t_min)};
-    if (to.distance < far_away) ray.t_max = static_cast<float>(to.distance * (1 - end_share));
-    return ray;
+    return shadow_ray(r,
+                      to_light(scene_.light, r.position, geometry::sobol_owen(index, 0, stream),
+                               geometry::sobol_owen(index, 1, stream)),
+                      offset_);
   }
 
   const shading::Scene& scene_;
@@ -108,6 +104,13 @@ class Tracer {
 
 double ray_offset(const shading::Scene& scene) {
   return offset_share * length(geometry::Vec3d(scene.mesh.box().extent()));
+}
+
+geometry::Rayf shadow_ray(const Receiver& r, const ToLight& to, double offset) {
+  const auto start = shading::shadow::shadow_start(r, to.direction, offset);
+  geometry::Rayf ray{Vec3f(start.origin), Vec3f(to.direction), static_cast<float>(start.t_min)};
+  if (to.distance < far_away) ray.t_max = static_cast<float>(to.distance * (1 - end_share));
+  return ray;
 }
 
 Truth traced_truth(const shading::Scene& scene, const Tree& tree, std::span<const Receiver> receivers,
@@ -149,34 +152,6 @@ Truth traced_truth(const shading::Scene& scene, const Tree& tree, std::span<cons
     truth.visibility[i] = 0.5 * (seen[i].mean(0) + seen[i].mean(1)),
     truth.samples += 2.0 * seen[i].samples / double(n);
   return truth;
-}
-
-double split_error(const shading::Scene& scene, const Tree& tree, std::span<const Receiver> receivers,
-                   const Truth& truth, int samples, int threads) {
-  if (is_hard(scene.light) || receivers.empty()) return 0;
-  const Tracer tracer(scene, tree, receivers, 0);
-  std::vector<double> off(receivers.size());
-  accel::parallel_ranges(receivers.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (truth.visibility[i] <= 0 || truth.visibility[i] >= 1) continue;
-      const Receiver& r = receivers[i];
-      double seen = 0, sent = 0, all = 0;
-      for (int s = 0; s < samples; ++s) {
-        const auto index = static_cast<std::uint32_t>(s);
-        const ToLight to = to_light(scene.light, r.position, geometry::sobol_owen(index, 0, i),
-                                    geometry::sobol_owen(index, 1, i));
-        double weight = std::max(0.0, dot(to.direction, r.normal));
-        if (to.distance < far_away)
-          weight *= std::max(0.0, -dot(to.direction, scene.light.direction)) / (to.distance * to.distance);
-        all += weight;
-        if (tracer.lit(r, to)) seen += 1, sent += weight;
-      }
-      if (all > 0) off[i] = sent / all - seen / samples;
-    }
-  });
-  double sum = 0;
-  for (const double d : off) sum += d * d;
-  return std::sqrt(sum / double(off.size()));
 }
 
 std::uint64_t truth_hash(const shading::Scene& scene, std::span<const Receiver> receivers,

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/shadow/lights.hpp"
 #include "bench/shadow/receivers.hpp"
 
 namespace treeline::bench::shadow {
@@ -41,17 +42,13 @@ using ClosedForm = std::function<double(const Receiver&)>;
 /// What a receiver's rays leave it by, along its normal.
 double ray_offset(const shading::Scene&);
 
+/// From a receiver to a point of the light, short of what carries it.
+geometry::Rayf shadow_ray(const Receiver&, const ToLight&, double offset);
+
 /// Rays alone. `width` is that of the image whose pixels the receivers are; without, they are a line in
 /// order. Throws std::invalid_argument where pixels and receivers do not fit.
 Truth traced_truth(const shading::Scene&, const Tree&, std::span<const Receiver>,
                    std::span<const std::uint32_t> pixel, int width, const TruthOptions&, int threads);
-
-/// What taking the visibility out of the integral does: the RMS over the receivers of the difference between
-/// the share of the light's area that is seen, and the share of what it sends to a diffuse surface there
-/// (weighted by the cosines at both ends and the distance). Receivers whose truth is all or nothing count as
-/// 0. `samples` each.
-double split_error(const shading::Scene&, const Tree&, std::span<const Receiver>, const Truth&, int samples,
-                   int threads);
 
 /// A hash of all that the truth depends on but for the mesh: light, receivers and options.
 std::uint64_t truth_hash(const shading::Scene&, std::span<const Receiver>, const TruthOptions&);

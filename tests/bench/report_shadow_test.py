@@ -47,6 +47,16 @@ def values_of(chart):
 
 
 class Cards(unittest.TestCase):
+    def test_split_by_roughness_and_size_of_the_light(self):
+        rows = [row(NONE, f"shadow_sphere_over_floor_{radius}", hard=True, penumbra_share=0.2, split=e, **{"split_ggx_0.1": 8 * e})
+                for radius, e in (("0.05", 0.0), ("1.5", 4e-3))]  # fmt: skip
+        cards, _ = cards_of(*rows)
+        (figure,) = cards["Visibility taken out of the integral"].figures
+        told = {(v["radius"], v["surface"]): v["y"] for v in values_of(figure.chart) if "radius" in v}
+        self.assertEqual(told, {("0.05 m", "diffuse"): 1e-5, ("0.05 m", "α = 0.1"): 1e-5,
+                                ("1.5 m", "diffuse"): 4e-3, ("1.5 m", "α = 0.1"): 0.032})  # fmt: skip
+        self.assertNotIn("Visibility taken out of the integral", cards_of(row(NONE, "city", penumbra_share=0.1))[0])
+
     def test_the_line_is_what_our_rays_measured_or_what_theory_expects(self):
         map_row = row(MAP, "slit", build={"resolution": 256}, penumbra=0.2, penumbra_share=0.5)
         cards, _ = cards_of(map_row)
@@ -200,11 +210,20 @@ class Claims(unittest.TestCase):
         self.assertIn("or how many times another's", v.figure)
 
     def test_split(self):
-        rows = [row(NONE, f"shadow_sphere_over_floor_{s}", hard=True, split=e, penumbra_share=0.2)
-                for s, e in (("0.05", 1e-5), ("0.5", 5e-4), ("1.5", 5e-3))]  # fmt: skip
+        def told(diffuse, *ggx):
+            return {"split": diffuse, **dict(zip(("split_ggx_0.5", "split_ggx_0.2", "split_ggx_0.1", "split_ggx_0.05"), ggx))}
+
+        small, middle, large = told(1e-5, 2e-5, 3e-5, 4e-5, 5e-5), told(5e-4, 1e-3, 4e-3, 9e-3, 2e-2), told(5e-3, 0.01, 0.03, 0.05, 0.07)
+        rows = [row(NONE, f"shadow_sphere_over_floor_{s}", hard=True, penumbra_share=0.2, **f)
+                for s, f in (("0.05", small), ("0.5", middle), ("1.5", large))]  # fmt: skip
         v = verdict("H13", *rows)
         self.assertEqual(v.word, claims.ONLY_IF)
-        self.assertIn("diffuse surfaces alone", v.coverage)
+        self.assertEqual([s[1] for s in v.figures], [1e-5, 5e-4, 5e-3, 0.01, 0.03, 0.05, 0.07])
+        self.assertEqual([s[3] for s in v.figures], [True, True, False, True, True, True, True])
+        hard = row(NONE, "city", penumbra_share=0, **told(0, 0, 0, 0, 0.1))
+        self.assertEqual(verdict("H13", hard).figures[0][1::2], (0.1, False))
+        alike = row(NONE, "shadow_sphere_over_floor_0.5", hard=True, penumbra_share=0.2, **told(5e-3, 5e-3, 5e-3, 5e-3, 5e-3))
+        self.assertEqual([s[3] for s in verdict("H13", alike).figures], [False] * 5)  # not large alone
 
     def test_without_rows_nothing_is_run(self):
         words = {v.id: v.word for v in claims.ledger(list(read(row(NONE, "half_plane_edge", penumbra_share=0.1))))}
