@@ -217,6 +217,9 @@ TEST(DistanceFieldProgram, SmokeProfileEndsWellAndErrorsFallWithResolution) {
     const auto row = nlohmann::json::parse(line);
     EXPECT_TRUE(row["status"] == "ok" || row["status"] == "unsupported" || row["status"] == "not_built")
         << line;
+    if (row["status"] == "ok" && (row["query_set"] == "near" || row["query_set"] == "uniform"))
+      EXPECT_EQ(row["error_max"].is_null(), row["query_set"] == "uniform")
+          << "a side is right or wrong: " << line;
     if (row["method"] == "openvdb" && row["query_set"] == "near" && row["status"] == "ok") {
       double& least = samples_of_openvdb.try_emplace(row["build_knobs"]["resolution"], 1.0).first->second;
       least = std::min(least, row["distance_field_sample_error_mean"].get<double>());
