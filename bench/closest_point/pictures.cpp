@@ -1,16 +1,15 @@
 #include "bench/closest_point/pictures.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
-#include <fstream>
 
 #include "accel/bvh.hpp"
 #include "bench/closest_point/judge.hpp"
 #include "bench/closest_point/queries.hpp"
-#include "bench/ray/png.hpp"
+#include "bench/ray/album.hpp"
 #include "bench/ray/work_picture.hpp"
 
 namespace treeline::bench::closest_point {
@@ -23,6 +22,7 @@ using shading::Image;
 constexpr int side = 96;        // queries
 constexpr int zoom = 3;         // pixels a query, each way: trees that lose their way take 0.1 ms for one
 constexpr double margin = 0.1;  // of the box's extent, on each side
+constexpr int columns = 4;      // of panels
 constexpr int samples = 64;     // pixels whose truth brute force must confirm
 constexpr double off = 1e-6;    // of the diagonal
 constexpr std::array<float, 3> astray{1.0f, 0.0f, 0.9f};
@@ -101,33 +101,13 @@ Image disagreement(const geometry::Mesh3f& mesh, const Queries& queries,
 
 void draw_pictures(const std::vector<Method>& methods, const std::string& dataset,
                    const geometry::Mesh3f& mesh, int threads, const std::string& folder) {
-  const std::filesystem::path root(folder);
-  std::filesystem::create_directories(root);
-  const auto file_of = [&](const std::string& what) {
-    return "closest_point_" + dataset + "_" + what + ".png";
-  };
-  // Drawn again, the pictures of this dataset take the place of the earlier ones.
-  std::string lines;
-  {
-    std::ifstream in(root / "pictures.jsonl");
-    for (std::string line; std::getline(in, line);)
-      if (line.find("\"file\":\"closest_point_" + dataset + "_") == std::string::npos) lines += line + '\n';
-  }
-  const auto add = [&](const std::string& what, const Image& image, const std::string& title,
-                       const std::string& method, const std::string& kind) {
-    if (!ray::write_png((root / file_of(what)).string(), image)) return;
-    lines += nlohmann::ordered_json{{"task", "closest_point"}, {"file", file_of(what)}, {"title", title},
-                                    {"dataset", dataset},      {"method", method},      {"kind", kind}}
-                 .dump() +
-             '\n';
-  };
-
+  ray::Album album("closest_point", dataset, folder);
   const geometry::Box3d box = box_of(mesh);
   const Queries queries = slice_of(box);
   const double diagonal = geometry::length(box.extent());
   const std::vector<TrueClosest> truth = truth_of(mesh, queries, threads, diagonal);
   std::vector<std::vector<accel::Work>> work;
-  std::string trees;
+  std::vector<std::string> trees;
   for (const Method& method : methods) {
     const MethodInfo& info = method.info;
     if (!method.names_triangles || mesh.size() > std::min(info.largest_n, info.quick_largest_n)) continue;
@@ -135,7 +115,7 @@ void draw_pictures(const std::vector<Method>& methods, const std::string& datase
     if (info.source == Source::ours && method.roundoff > 1e-10)
       if (auto visited = index->work_of_each(queries); !visited.empty()) {
         work.push_back(std::move(visited));
-        trees += (trees.empty() ? "" : ", ") + info.name;
+        trees.push_back(info.name);
       }
     Answers answers;
     for (const Knobs& knobs : info.query_knobs) {
@@ -149,27 +129,31 @@ void draw_pictures(const std::vector<Method>& methods, const std::string& datase
         name += value.is_string() ? value.get<std::string>() : value.dump();
       }
       const double share = 100.0 * static_cast<double>(count) / static_cast<double>(queries.size());
-      add(name, zoomed(image),
-          fmt::format(
-              "A slice: magenta where the answer is off by more than 1e-6 of the diagonal, {:.2g} % of "
-              "the pixels; the darker, the nearer the mesh",
-              share),
-          name, "disagreement");
+      album.add(
+          name, zoomed(image),
+          {.title = fmt::format("A slice: magenta where the answer is off by more than 1e-6 of the diagonal, "
+                                "{:.2g} % of the pixels; the darker, the nearer the mesh",
+                                share),
+           .caption = "",
+           .method = name,
+           .kind = "disagreement"});
     }
   }
   if (!work.empty()) {
     const double most = ray::common_scale(work);
     std::vector<Image> panels;
     for (const auto& panel : work) panels.push_back(zoomed(ray::heat_map(panel, side, side, most)));
-    add("work", ray::beside(panels, 4),
-        fmt::format(
-            "A slice, a query a pixel: nodes and triangles visited, from none, black, to {:.0f}, white",
-            most),
-        trees, "work");
+    album.add(
+        "work", ray::beside(panels, columns),
+        {.title = fmt::format("A slice, a query a pixel: nodes and triangles visited, from none, black, to "
+                              "{:.0f}, white",
+                              most),
+         .caption = "",
+         .method = fmt::format("{}", fmt::join(trees, ", ")),
+         .kind = "work",
+         .columns = std::min(columns, static_cast<int>(panels.size())),
+         .panels = trees});
   }
-  std::ofstream index(root / "pictures.jsonl");
-  index << lines;
-  if (!index) throw std::runtime_error(folder + "/pictures.jsonl cannot be written");
 }
 
 }  // namespace treeline::bench::closest_point

@@ -1,17 +1,16 @@
 #include "bench/light_transport/pictures.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include "bench/core/cells.hpp"
 #include "bench/light_transport/judge.hpp"
 #include "bench/light_transport/tracer.hpp"
-#include "bench/ray/png.hpp"
+#include "bench/ray/album.hpp"
 #include "bench/ray/work_picture.hpp"
 #include "geometry/random.hpp"
 
@@ -68,49 +67,11 @@ Image errors(const Film& film, const std::vector<Vec3d>& truth) {
   return image;
 }
 
-Image stacked(const Image& above, const Image& below) {
-  Image image(above.width, above.height + below.height, 3);
-  std::ranges::copy(above.values, image.values.begin());
-  std::ranges::copy(below.values, image.values.begin() + std::ptrdiff_t(above.values.size()));
-  return image;
-}
-
 double error_of(const Film& film, const std::vector<Vec3d>& truth) {
   std::vector<Vec3d> off = means(film);
   for (std::size_t p = 0; p < off.size(); ++p) off[p] = off[p] - truth[p];
   return relative_rms(off, truth);
 }
-
-/// pictures.jsonl in the making; drawn again, the pictures of a dataset take the place of the earlier ones.
-class Album {
- public:
-  Album(const std::string& folder, std::string dataset) : root_(folder), dataset_(std::move(dataset)) {
-    std::filesystem::create_directories(root_);
-    std::ifstream in(root_ / "pictures.jsonl");
-    for (std::string line; std::getline(in, line);)
-      if (line.find("\"dataset\":\"" + dataset_ + "\"") == std::string::npos) lines_ += line + '\n';
-  }
-  void add(const std::string& what, const Image& image, const std::string& title, const std::string& caption,
-           const std::string& kind) {
-    const std::string file = "light_transport_" + dataset_ + "_" + what + ".png";
-    if (!ray::write_png((root_ / file).string(), image)) return;
-    lines_ +=
-        nlohmann::ordered_json{
-            {"task", "light_transport"}, {"file", file}, {"title", title}, {"caption", caption},
-            {"dataset", dataset_},       {"method", ""}, {"kind", kind}}
-            .dump() +
-        '\n';
-  }
-  void close() const {
-    std::ofstream index(root_ / "pictures.jsonl");
-    index << lines_;
-    if (!index) throw std::runtime_error((root_ / "pictures.jsonl").string() + " cannot be written");
-  }
-
- private:
-  std::filesystem::path root_;
-  std::string dataset_, lines_;
-};
 
 }  // namespace
 
@@ -143,7 +104,7 @@ float exposure_of(const Image& radiance) {
 
 void draw_pictures(const std::vector<Method>& methods, LitScene room, const std::string& dataset,
                    std::uint64_t seed, int pixels, int threads, const std::string& folder) {
-  Album album(folder, dataset);
+  ray::Album album("light_transport", dataset, folder);
   const auto converged = [&](int samples) {
     const auto tracer = mis_tracer(room, geometry::hash_u64(seed, 7), samples);
     Film film = tracer->film();
@@ -153,19 +114,24 @@ void draw_pictures(const std::vector<Method>& methods, LitScene room, const std:
   resize(room.camera, 4 * pixels);
   const Film alone = converged(alone_samples);
   const float exposure = exposure_of(alone.image());
-  album.add("converged", displayed(alone.image(), exposure), "Converged",
-            fmt::format("By mis with {} scrambled Sobol points a pixel; {} x {} pixels.", alone_samples,
-                        alone.width(), alone.height()),
-            "converged");
+  album.add("converged", displayed(alone.image(), exposure),
+            {.title = "Converged",
+             .caption = fmt::format("By mis with {} scrambled Sobol points a pixel; {} x {} pixels.",
+                                    alone_samples, alone.width(), alone.height()),
+             .method = "",
+             .kind = "converged"});
 
   resize(room.camera, pixels);
   const Film film = converged(converged_samples);
   const std::vector<Vec3d> truth = means(film);
   Image blank(film.width(), film.height(), 3);
   std::ranges::fill(blank.values, right);
-  std::vector<Image> panels{stacked(displayed(film.image(), exposure), blank)}, strip;
-  std::string names = fmt::format("converged ({} samples)", converged_samples), steps;
-  const auto panel = [&](const Film& f) { return stacked(displayed(f.image(), exposure), errors(f, truth)); };
+  std::vector<Image> panels{ray::stacked(displayed(film.image(), exposure), blank)}, strip;
+  std::string names = fmt::format("converged ({} samples)", converged_samples);
+  std::vector<std::string> labels{"converged"}, steps;
+  const auto panel = [&](const Film& f) {
+    return ray::stacked(displayed(f.image(), exposure), errors(f, truth));
+  };
   const auto find = [&](const std::string& name) {
     return std::ranges::find_if(methods, [&](const Method& m) { return m.info.name == name; });
   };
@@ -180,23 +146,34 @@ void draw_pictures(const std::vector<Method>& methods, LitScene room, const std:
     const Film f = render(*m, s.knobs);
     panels.push_back(panel(f));
     names += fmt::format(", {} ({}) {:.3g}", s.method, format_knobs(s.knobs), error_of(f, truth));
+    labels.push_back(fmt::format("{} {:.3g}", s.method, error_of(f, truth)));
   }
   const std::string key =
       "Under each where it is too bright, orange, or too dark, blue, full colour at half of "
       "the radiance.";
-  album.add("methods", ray::beside(panels, static_cast<int>(panels.size())),
-            "Noisy, converged, and the error",
-            fmt::format("From left to right, each with its relative RMS error: {}. {}", names, key), "light");
+  album.add(
+      "methods", ray::beside(panels, static_cast<int>(panels.size())),
+      {.title = "Noisy, converged, and the error",
+       .caption = fmt::format("From left to right, each with its relative RMS error: {}. {}", names, key),
+       .method = "",
+       .kind = "light",
+       .columns = static_cast<int>(panels.size()),
+       .panels = labels});
   if (const auto mis = find("mis"); mis != methods.end() && dataset == with_strip) {
     for (const int samples : strip_samples) {
       const Film f = render(*mis, {{"samples", samples}});
       strip.push_back(panel(f));
-      steps += fmt::format("{}{} {:.3g}", steps.empty() ? "" : ", ", samples, error_of(f, truth));
+      steps.push_back(fmt::format("{} {:.3g}", samples, error_of(f, truth)));
     }
-    album.add("mis_samples", ray::beside(strip, static_cast<int>(strip.size())), "mis by samples",
-              fmt::format("From left to right samples and error: {}. {}", steps, key), "strip");
+    album.add(
+        "mis_samples", ray::beside(strip, static_cast<int>(strip.size())),
+        {.title = "mis by samples",
+         .caption = fmt::format("From left to right samples and error: {}. {}", fmt::join(steps, ", "), key),
+         .method = "mis",
+         .kind = "strip",
+         .columns = static_cast<int>(strip.size()),
+         .panels = steps});
   }
-  album.close();
 }
 
 }  // namespace treeline::bench::light_transport

@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
-#include <fstream>
 
 #include "accel/bvh.hpp"
+#include "bench/ray/album.hpp"
 #include "bench/ray/block.hpp"
 #include "bench/ray/judge.hpp"
-#include "bench/ray/png.hpp"
 #include "bench/ray/queries.hpp"
 #include "bench/ray/slice_svg.hpp"
 #include "bench/ray/work_picture.hpp"
@@ -27,43 +25,6 @@ constexpr int width = 480, height = 360;
 constexpr std::array<double, 3> background{0.10, 0.11, 0.13};
 constexpr std::array<double, 3> false_colour{1.0, 0.0, 0.9}, borderline_colour{1.0, 0.75, 0.0},
     aimed_colour{0.1, 0.55, 0.3};
-
-/// The folder's index, one object a picture.
-class Gallery {
- public:
-  Gallery(std::string folder, std::string dataset)
-      : folder_(std::move(folder)), dataset_(std::move(dataset)) {
-    std::filesystem::create_directories(folder_);
-    // Drawn again, the pictures of this dataset take the place of the earlier ones.
-    const auto index = std::filesystem::path(folder_) / "pictures.jsonl";
-    std::string others;
-    std::ifstream in(index);
-    for (std::string line; std::getline(in, line);)
-      if (line.find("\"file\":\"" + file("")) == std::string::npos) others += line + '\n';
-    in.close();
-    std::ofstream(index) << others;
-  }
-  std::string file(const std::string& what) const { return "ray_" + dataset_ + "_" + what; }
-  std::string path(const std::string& what) const {
-    return (std::filesystem::path(folder_) / file(what)).string();
-  }
-  void add(const std::string& what, const std::string& title, const std::string& method,
-           const std::string& kind) {
-    std::ofstream index(std::filesystem::path(folder_) / "pictures.jsonl", std::ios::app);
-    index << nlohmann::ordered_json{{"task", "ray"},       {"file", file(what)}, {"title", title},
-                                    {"dataset", dataset_}, {"method", method},   {"kind", kind}}
-                 .dump()
-          << '\n';
-    if (!index) throw std::runtime_error(folder_ + "/pictures.jsonl cannot be written");
-  }
-  void add_png(const std::string& what, const Image& image, const std::string& title,
-               const std::string& method, const std::string& kind) {
-    if (write_png(path(what + ".png"), image)) add(what + ".png", title, method, kind);
-  }
-
- private:
-  std::string folder_, dataset_;
-};
 
 /// A mesh seen by the camera, with the true hit of each pixel.
 struct View {
@@ -183,7 +144,7 @@ const std::array<Group, 5> groups{{
 
 /// The first build of each method that falls into the group.
 void draw_disagreement(const Group& group, const std::vector<Method>& methods, const View& view,
-                       const std::string& of, int threads, Gallery& gallery) {
+                       const std::string& of, int threads, Album& album) {
   Image image = normals(view, true);
   Judge judge(view.mesh, geometry::tolerance::unit_roundoff<float>);
   std::vector<Verdict> worst(view.rays.size(), Verdict::right);
@@ -211,18 +172,19 @@ void draw_disagreement(const Group& group, const std::vector<Method>& methods, c
     if (worst[p] == Verdict::borderline) mark(image, p, borderline_colour);
   for (std::size_t p = 0; p < worst.size(); ++p)
     if (worst[p] > Verdict::borderline) mark(image, p, false_colour);
-  gallery.add_png("disagreement_" + group.name, image,
-                  of + ": " + group.title + " (" + names + "): of " + std::to_string(worst.size()) +
-                      " pixels " + std::to_string(wrong) + " false (magenta), " + std::to_string(borderline) +
-                      " borderline (amber)",
-                  names, "disagreement");
+  album.add(
+      "disagreement_" + group.name, image,
+      {of + ": " + group.title + " (" + names + "): of " + std::to_string(worst.size()) + " pixels " +
+           std::to_string(wrong) + " false (magenta), " + std::to_string(borderline) + " borderline (amber)",
+       "", names, "disagreement"});
 }
 
 /// What each pixel costs our scalar trees, in the order KD, BSP, BVH, side by side in one scale.
 void draw_work(const std::vector<Method>& methods, const View& view, const std::string& of, int threads,
-               Gallery& gallery) {
+               Album& album) {
   std::vector<std::vector<accel::Work>> work;
   std::string names, means;
+  std::vector<std::string> labels;
   for (const char* name : {"kd_tree", "bsp_tree", "bvh", "bvh_wide"}) {
     const auto method = std::ranges::find(methods, name, [](const Method& m) { return m.info.name; });
     if (method == methods.end() || view.mesh.size() > method->info.largest_n) continue;
@@ -238,16 +200,18 @@ void draw_work(const std::vector<Method>& methods, const View& view, const std::
     names += (names.empty() ? "" : ", ") + method->info.name;
     means += (means.empty() ? "" : "; ") + method->info.name + " " + mean(nodes) + " nodes and " +
              mean(triangles) + " triangles";
+    labels.push_back(method->info.name);
     work.push_back(std::move(found));
   }
   if (work.empty()) return;
   const double most = common_scale(work);
   std::vector<Image> panels;
   for (const auto& w : work) panels.push_back(heat_map(w, width, height, most));
-  gallery.add_png("work", beside(panels, static_cast<int>(panels.size())),
-                  of + ": nodes and triangles that each pixel's ray visits, black none, white " +
-                      fmt::format("{:.0f}", most) + " and more; from left to right, on average: " + means,
-                  names, "work");
+  const auto count = static_cast<int>(panels.size());
+  album.add("work", beside(panels, count),
+            {of + ": nodes and triangles that each pixel's ray visits, black none, white " +
+                 fmt::format("{:.0f}", most) + " and more; from left to right, on average: " + means,
+             "", names, "work", count, labels});
 }
 
 /// Vertices and points of edges of the faces that the camera sees, and the rays to them, as exactly as float
@@ -287,7 +251,7 @@ Aims aim_at_edges(const View& view) {
 
 /// Where rays aimed at edges and vertices of a closed mesh pass through it, one panel a method and build.
 void draw_leaks(const std::vector<Method>& methods, const View& view, const std::string& of, int threads,
-                Gallery& gallery) {
+                Album& album) {
   struct Panel {
     const char *method, *words;
     Knobs knobs;  // of the build; empty: the first
@@ -303,6 +267,7 @@ void draw_leaks(const std::vector<Method>& methods, const View& view, const std:
   Judge judge(view.mesh, geometry::tolerance::unit_roundoff<float>);
   std::vector<Image> panels;
   std::string names, counts;
+  std::vector<std::string> labels;
   for (const Panel& panel : wanted) {
     const auto method = std::ranges::find(methods, panel.method, [](const Method& m) { return m.info.name; });
     if (method == methods.end()) continue;
@@ -320,22 +285,23 @@ void draw_leaks(const std::vector<Method>& methods, const View& view, const std:
     }
     for (const std::size_t pixel : leaks) mark(image, pixel, false_colour);
     panels.push_back(std::move(image));
+    labels.push_back(fmt::format("{} {}", panel.words, leaks.size()));
     names += (names.empty() ? "" : ", ") + std::string(panel.words);
     counts += (counts.empty() ? "" : "; ") + std::string(panel.words) + " " + std::to_string(leaks.size());
   }
   if (panels.empty()) return;
-  gallery.add_png(
+  album.add(
       "leaks", beside(panels, 2),
-      of + ": " + std::to_string(aims.rays.size()) +
-          " rays aimed at edges and vertices (green), and where they leak (magenta); row by row: " + counts,
-      names, "leaks");
+      {of + ": " + std::to_string(aims.rays.size()) +
+           " rays aimed at edges and vertices (green), and where they leak (magenta); row by row: " + counts,
+       "", names, "leaks", std::min(2, static_cast<int>(panels.size())), labels});
 }
 
 /// Trees of a few thousand triangles have cells that can be told apart.
 constexpr std::size_t largest_sliced = 3000;
 
 void draw_slices(const std::vector<Method>& methods, const BlockSpec& spec, const RunContext& context,
-                 Gallery& gallery) {
+                 Album& album) {
   const auto dataset = datasets::generate(spec.dataset, std::min(spec.n, largest_sliced), context.seed);
   const auto box = dataset.mesh.box();
   const auto sides = box.extent();
@@ -349,12 +315,11 @@ void draw_slices(const std::vector<Method>& methods, const BlockSpec& spec, cons
     const auto cells = index->slice(axis, double(box.centre()[axis]));
     if (cells.empty()) continue;
     const std::string what = "slice_" + method.info.name + ".svg";
-    write_slice_svg(gallery.path(what), cells);
-    gallery.add(what,
-                method.info.name + " over " + std::to_string(dataset.size()) + " triangles of " +
-                    spec.dataset + ", cut through the middle square to " + "xyz"[axis] + ": " +
-                    std::to_string(cells.size()) + " leaves, darker where deeper",
-                method.info.name, "slice");
+    write_slice_svg(album.path_of(what), cells);
+    album.add_file(what, {method.info.name + " over " + std::to_string(dataset.size()) + " triangles of " +
+                              spec.dataset + ", cut through the middle square to " + "xyz"[axis] + ": " +
+                              std::to_string(cells.size()) + " leaves, darker where deeper",
+                          "", method.info.name, "slice"});
   }
 }
 
@@ -363,16 +328,16 @@ void draw_slices(const std::vector<Method>& methods, const BlockSpec& spec, cons
 void draw_pictures(const std::vector<Method>& methods, const BlockSpec& spec, const RunContext& context,
                    const std::string& folder) {
   if (spec.hard) return;
-  Gallery gallery(folder, spec.dataset);
+  Album album("ray", spec.dataset, folder);
   const auto dataset = datasets::generate(spec.dataset, spec.n, context.seed);
   const View view = look_at(dataset.mesh, context.threads);
   const std::string of = spec.dataset + ", " + std::to_string(dataset.size()) + " triangles";
-  gallery.add_png("normals", normals(view, false), of + ": normals", "bvh", "normals");
-  gallery.add_png("depth", depths(view), of + ": depth, near is light", "bvh", "depth");
-  for (const Group& group : groups) draw_disagreement(group, methods, view, of, context.threads, gallery);
-  draw_work(methods, view, of, context.threads, gallery);
-  if (dataset.closed) draw_leaks(methods, view, of, context.threads, gallery);
-  draw_slices(methods, spec, context, gallery);
+  album.add("normals", normals(view, false), {of + ": normals", "", "bvh", "normals"});
+  album.add("depth", depths(view), {of + ": depth, near is light", "", "bvh", "depth"});
+  for (const Group& group : groups) draw_disagreement(group, methods, view, of, context.threads, album);
+  draw_work(methods, view, of, context.threads, album);
+  if (dataset.closed) draw_leaks(methods, view, of, context.threads, album);
+  draw_slices(methods, spec, context, album);
 }
 
 }  // namespace treeline::bench::ray

@@ -1,22 +1,25 @@
 #include "bench/region_average/pictures.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 
 #include "bench/core/cells.hpp"
+#include "bench/core/strip.hpp"
+#include "bench/ray/album.hpp"
+#include "bench/ray/work_picture.hpp"
 #include "bench/region_average/truth.hpp"
-#include "datasets_gen/files/write.hpp"
 
 namespace treeline::bench::region_average {
 namespace {
 
 namespace texture = shading::texture;
 
-constexpr double full_red = 0.1;  // error, in the range of the texture
-constexpr int gap = 4;            // between panels, in pixels
+constexpr int columns = 6;               // of panels
+constexpr double full_colour = 0.1;      // error, in the range of the texture
+constexpr double least_change = 0.0005;  // of a strip's error, or its knob does not matter
 
 /// At every pixel of the texture.
 std::vector<Footprint> everywhere(const Image& image, const Footprint& one) {
@@ -29,112 +32,136 @@ std::vector<Footprint> everywhere(const Image& image, const Footprint& one) {
   return r;
 }
 
-float eight_bits(double x) {
-  return std::floor(static_cast<float>(std::clamp(x, 0.0, 1.0)) * 255 + 0.5f) / 255.0f;
+/// White where there is no error, orange where the answer is too bright, blue where it is too dark.
+float error_colour(double error, int channel) {
+  const double share = std::min(1.0, std::abs(error) / full_colour);
+  static constexpr double bright[3] = {0.84, 0.37, 0.0}, dark[3] = {0.0, 0.45, 0.7};
+  return static_cast<float>(1 + share * ((error > 0 ? bright[channel] : dark[channel]) - 1));
 }
 
-/// Panels of one size side by side on white.
-class Panels {
- public:
-  Panels(int width, int height, int count)
-      : width_(width), image_(count * width + (count - 1) * gap, height, 3, 1.0f) {}
+struct Answered : Configuration {
+  std::vector<float> means;
+};
 
-  /// colour(x, y, c) of the next panel.
-  template <class Colour>
-  void add(const Colour& colour) {
-    for (int y = 0; y < image_.height; ++y)
-      for (int x = 0; x < width_; ++x)
-        for (int c = 0; c < 3; ++c) image_(at_ + x, y, c) = eight_bits(colour(x, y, c));
-    at_ += width_ + gap;
+/// One texture under one footprint.
+class Painter {
+ public:
+  Painter(const Image& image, const Footprint& one)
+      : image_(image), asked_(everywhere(image, one)), truth_(true_means(image, asked_, 1)) {}
+
+  /// By a method's first build; empty where it takes no such footprint.
+  std::vector<Answered> asked(const Method& method) const {
+    std::vector<Answered> out;
+    const Knobs& build = method.info.build_knobs.front();
+    try {
+      const auto averager = method.build({image_, 1}, build);
+      for (const Knobs& query : method.info.query_knobs) {
+        Answered a{{build, query}, std::vector<float>(truth_.size())};
+        averager->means(asked_, query, 1, a.means);
+        double squares = 0;
+        for (std::size_t i = 0; i < truth_.size(); ++i)
+          squares += (double(a.means[i]) - truth_[i]) * (double(a.means[i]) - truth_[i]);
+        a.error = std::sqrt(squares / double(truth_.size()));
+        out.push_back(std::move(a));
+      }
+    } catch (const std::exception&) {  // its row says why
+      return {};
+    }
+    return out;
   }
-  const Image& image() const { return image_; }
+  Image texture_over_truth() const {
+    return ray::stacked(drawn([&](std::size_t i) { return image_.values[i]; }),
+                        drawn([&](std::size_t i) { return static_cast<float>(truth_[i]); }));
+  }
+  Image panel(const Answered& a) const {
+    Image errors(image_.width, image_.height, 3);
+    for (int y = 0; y < image_.height; ++y)
+      for (int x = 0; x < image_.width; ++x)
+        for (int c = 0; c < 3; ++c) {
+          const std::size_t i = image_.index(x, y);  // the first channel tells
+          errors(x, y, c) = error_colour(double(a.means[i]) - truth_[i], c);
+        }
+    return ray::stacked(drawn([&](std::size_t i) { return a.means[i]; }), errors);
+  }
 
  private:
-  int width_, at_ = 0;
-  Image image_;
+  template <class Value>
+  Image drawn(const Value& value) const {
+    Image out(image_.width, image_.height, 3);
+    for (int y = 0; y < image_.height; ++y)
+      for (int x = 0; x < image_.width; ++x)
+        for (int c = 0; c < 3; ++c)
+          out(x, y, c) = std::clamp(value(image_.index(x, y, image_.channels >= 3 ? c : 0)), 0.0f, 1.0f);
+    return out;
+  }
+
+  const Image& image_;
+  std::vector<Footprint> asked_;
+  std::vector<double> truth_;
 };
 
-/// White where there is no error, orange where the answer is too bright, blue where it is too dark.
-double error_colour(double error, int channel) {
-  const double share = std::min(1.0, std::abs(error) / full_red);
-  static constexpr double bright[3] = {0.84, 0.37, 0.0}, dark[3] = {0.0, 0.45, 0.7};
-  return 1 + share * ((error > 0 ? bright[channel] : dark[channel]) - 1);
-}
+constexpr const char* key =
+    "Under each the difference of the first channel: orange too bright, blue too dark, "
+    "full colour at 0.1.";
 
-struct Shown {
-  const char* method;
-  Knobs knobs;
-};
-/// What tells most; those that a build lacks are left out.
-const std::vector<Shown>& shown() {
-  static const std::vector<Shown> all{{"nearest", Knobs::object()},          {"mip_square", {{"bias", 0}}},
-                                      {"mip_square", {{"bias", -0.79}}},     {"mip_probes", {{"side", 4}}},
-                                      {"mip_anisotropic", {{"probes", 16}}}, {"sat_uint32", Knobs::object()}};
-  return all;
+void draw_strip(const Painter& painter, const std::string& name, const std::vector<Answered>& all,
+                const std::string& words, const std::string& file, ray::Album& album) {
+  const auto strip = strip_of(std::vector<Configuration>(all.begin(), all.end()));
+  if (!strip || strip->change < least_change) return;
+  std::vector<Image> panels;
+  std::vector<std::string> steps;
+  for (const std::size_t k : strip->steps) {
+    panels.push_back(painter.panel(all[k]));
+    steps.push_back(fmt::format("{} {:.2g}", value_at(all[k], strip->knob).dump(), all[k].error));
+  }
+  const auto count = static_cast<int>(panels.size());
+  album.add(file + "_" + name + "_" + strip->knob, ray::beside(panels, count),
+            {.title = fmt::format("{} by {}, {}", name, strip->knob, words),
+             .caption = fmt::format("From left to right {} and RMS error: {}. {}", strip->knob,
+                                    fmt::join(steps, ", "), key),
+             .method = name,
+             .kind = "strip",
+             .columns = count,
+             .panels = steps});
 }
 
 }  // namespace
 
 void write_pictures(const std::vector<Method>& methods, const datasets::Dataset& dataset,
                     const std::string& folder) {
-  const Image& image = dataset.image;
-  const std::pair<const char*, Footprint> kinds[] = {
-      {"square of 12 texels", texture::box_footprint({0, 0, 12, 12})},
-      {"oblong of 24 x 4", texture::box_footprint({0, 0, 24, 4})},
-      {"box of 24 x 4, turned", texture::rotated_box(0, 0, 12, 2, 0.6)}};
-  int number = 0;
-  for (const auto& [words, one] : kinds) {
-    const auto asked = everywhere(image, one);
-    const auto truth = true_means(image, asked, 1);
-    const auto channels = static_cast<std::size_t>(image.channels);
-    const auto value = [&](int x, int y, int c) {
-      const std::size_t channel = image.channels >= 3 ? static_cast<std::size_t>(c) : 0;
-      return (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-              static_cast<std::size_t>(x)) *
-                 channels +
-             channel;
-    };
-    for (const Shown& show : shown()) {
-      const auto m = std::ranges::find_if(
-          methods, [&](const Method& method) { return method.info.name == show.method; });
-      if (m == methods.end()) continue;
-      const auto averager = m->build({image, 1}, m->info.build_knobs.front());
-      std::vector<float> means(truth.size());
-      averager->means(asked, show.knobs, 1, means);
-      double squares = 0;
-      for (std::size_t i = 0; i < truth.size(); ++i)
-        squares += (double(means[i]) - truth[i]) * (double(means[i]) - truth[i]);
-      char figure[32];
-      std::snprintf(figure, sizeof figure, "%.2g", std::sqrt(squares / double(truth.size())));
-      Panels panels(image.width, image.height, 4);
-      panels.add([&](int x, int y, int c) { return double(image.values[value(x, y, c)]); });
-      panels.add([&](int x, int y, int c) { return truth[value(x, y, c)]; });
-      panels.add([&](int x, int y, int c) { return double(means[value(x, y, c)]); });
-      panels.add([&](int x, int y, int c) {
-        return error_colour(double(means[value(x, y, 0)]) - truth[value(x, y, 0)], c);
-      });
-      datasets::Dataset picture;
-      picture.kind = datasets::Kind::image, picture.image = panels.image();
-      const std::string file = dataset.name + "_" + std::to_string(number++) + ".png";
-      try {
-        datasets::write(picture, std::filesystem::path(folder) / file, true);
-      } catch (const datasets::FileError& e) {
-        if (e.problem.find("built without") != std::string::npos) return;
-        throw;
-      }
-      const std::string knobs = format_knobs(show.knobs);
-      const Knobs entry{{"file", file},
-                        {"title", dataset.name + ", " + words + ": " + show.method +
-                                      (knobs == "-" ? "" : " (" + knobs + ")") + ", error " + figure +
-                                      ". The texture, its true means, those told, and the difference: "
-                                      "orange too bright, blue too dark, full colour at 0.1"},
-                        {"dataset", dataset.name},
-                        {"method", show.method},
-                        {"kind", "filtered"}};
-      std::ofstream index(std::filesystem::path(folder) / "pictures.jsonl", std::ios::app);
-      index << entry.dump() << '\n' << std::flush;
-      if (!index) throw std::runtime_error(folder + "/pictures.jsonl cannot be written");
+  struct Kind {
+    const char *words, *file;
+    Footprint one;
+  };
+  const Kind kinds[] = {{"squares of 12 texels", "square", texture::box_footprint({0, 0, 12, 12})},
+                        {"oblongs of 24 x 4", "oblong", texture::box_footprint({0, 0, 24, 4})},
+                        {"boxes of 24 x 4, turned", "turned", texture::rotated_box(0, 0, 12, 2, 0.6)}};
+  ray::Album album("region_average", dataset.name, folder);
+  for (const auto& [words, file, one] : kinds) {
+    const Painter painter(dataset.image, one);
+    std::vector<Image> panels{painter.texture_over_truth()};
+    std::vector<std::string> labels{"texture, truth"}, names;
+    for (const Method& method : methods) {
+      const std::string& name = method.info.name;
+      const std::vector<Answered> all = painter.asked(method);
+      if (all.empty()) continue;
+      const Answered& best = *std::ranges::min_element(all, {}, &Answered::error);
+      panels.push_back(painter.panel(best));
+      const std::string knobs = format_knobs(best.query);
+      names.push_back(fmt::format("{}{} {:.2g}", name, knobs == "-" ? "" : " (" + knobs + ")", best.error));
+      labels.push_back(fmt::format("{} {:.2g}", name, best.error));
+      draw_strip(painter, name, all, words, file, album);
     }
+    album.add(
+        file, ray::beside(panels, columns),
+        {.title = fmt::format("Means of {} by every method", words),
+         .caption = fmt::format("First the texture over its true means, then by method and RMS error, each "
+                                "with the knobs that err least: {}. {}",
+                                fmt::join(names, ", "), key),
+         .method = "",
+         .kind = "filtered",
+         .columns = std::min(columns, static_cast<int>(panels.size())),
+         .panels = labels});
   }
 }
 

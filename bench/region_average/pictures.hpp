@@ -1,5 +1,5 @@
-// Pictures of a texture averaged over one footprint at every pixel: by the truth, by methods, and how far
-// these are off.
+// Pictures of a texture averaged over one footprint at every pixel: by the truth, by every method, and how
+// far these are off; strips of one knob from its least to its most.
 #pragma once
 
 #include <string>

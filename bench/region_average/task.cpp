@@ -13,6 +13,7 @@ namespace treeline::bench::region_average {
 namespace {
 
 constexpr std::size_t one_k = 1024 * 1024;
+constexpr const char* textures[] = {"noise", "ramp", "checkers", "mask", "star", "marble"};
 
 std::size_t queries(Profile profile) {
   return profile == Profile::smoke ? 256 : profile == Profile::quick ? 4096 : 65536;
@@ -33,7 +34,7 @@ std::vector<BlockSpec> RegionAverageTask::blocks(Profile profile) const {
   }
   std::vector<BlockSpec> r;
   for (const std::size_t n : {one_k / 16, one_k, 4 * one_k, 16 * one_k})
-    for (const char* name : {"noise", "ramp", "checkers", "mask", "star", "marble"}) r.push_back({name, n});
+    for (const char* name : textures) r.push_back({name, n});
   return r;
 }
 
@@ -96,11 +97,18 @@ std::unique_ptr<Block> RegionAverageTask::open(datasets::Dataset dataset, const 
   return open_block(registered(), std::move(input));
 }
 
+// Textures that no block of the profile measures are drawn with its first.
 void RegionAverageTask::pictures(const BlockSpec& spec, const RunContext& context,
                                  const std::string& folder) const {
-  write_pictures(registered(),
-                 datasets::generate(spec.dataset, std::min<std::size_t>(spec.n, 256 * 256), context.seed),
-                 folder);
+  constexpr std::size_t pixels = 128 * 128;
+  const auto draw = [&](const std::string& name) {
+    write_pictures(registered(), datasets::generate(name, std::min(spec.n, pixels), context.seed), folder);
+  };
+  draw(spec.dataset);
+  const auto measured = blocks(context.profile);
+  if (spec.dataset != measured.front().dataset) return;
+  for (const char* name : textures)
+    if (std::ranges::find(measured, name, &BlockSpec::dataset) == measured.end()) draw(name);
 }
 
 }  // namespace treeline::bench::region_average

@@ -1,4 +1,5 @@
-"""Pictures of a run: pictures.jsonl (file, title, dataset, method, kind) and the files beside it, inlined."""
+"""Pictures of a run: pictures.jsonl (file, title, dataset, method, kind) and the files beside it, inlined. Of panels side by
+side it names the columns and what stands on each, row after row."""
 
 import base64
 import json
@@ -19,6 +20,8 @@ class Picture:
     kind: str
     caption: str
     uri: str
+    columns: int = 0
+    panels: tuple = ()
 
 
 def read(folders):
@@ -43,8 +46,12 @@ def read(folders):
 def _picture(entry, index):
     path = index.parent / entry["file"]
     task = entry.get("task") or index.parent.name
+    panels = tuple(str(p) for p in entry.get("panels") or ())
+    columns = int(entry.get("columns") or 0)
+    if bool(panels) != (columns > 0):
+        raise ValueError(f"{len(panels)} panels in {columns} columns")
     return Picture(entry.get("title") or path.stem, task, entry.get("dataset") or "", entry.get("method") or "",
-                   entry.get("kind") or "picture", entry.get("caption") or "", _uri(path))  # fmt: skip
+                   entry.get("kind") or "picture", entry.get("caption") or "", _uri(path), columns, panels)  # fmt: skip
 
 
 def _uri(path):

@@ -174,12 +174,22 @@ SCALE = ('<p class="note">Errors are drawn by their root, so that small ones sho
          "colour. Dark blue, in the images and below them, is not asked about.</p>")  # fmt: skip
 
 
+def _sheet(picture):
+    """The image, with what stands on each of its panels written over its corner."""
+    image = f'<img src="{picture.uri}" alt="{esc(picture.title)}" loading="lazy">'
+    if not picture.panels:
+        return image
+    names = "".join(f"<li><span>{esc(name)}</span></li>" for name in picture.panels)
+    rows = -(-len(picture.panels) // picture.columns)
+    return f'<div class="sheet" style="--columns:{picture.columns};--rows:{rows}">{image}<ol aria-hidden="true">{names}</ol></div>'
+
+
 def gallery(pictures):
     """Figures by kind."""
     parts = []
     for kind in dict.fromkeys(p.kind for p in pictures):
         figures = "".join(
-            f'<figure{" class=panels" if kind in PANELS else ""}><img src="{p.uri}" alt="{esc(p.title)}" loading="lazy">'
+            f'<figure{" class=panels" if kind in PANELS else ""}>{_sheet(p)}'
             f'<figcaption><b>{esc(p.title)}</b> '
             f'<small>{esc(", ".join(filter(None, (p.dataset, p.method))))}</small>'
             f'{"<br>" + esc(p.caption) if p.caption else ""}</figcaption></figure>'

@@ -1,20 +1,16 @@
 #include "bench/shadow/pictures.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <functional>
-#include <map>
 #include <optional>
-#include <string_view>
-#include <tuple>
 
 #include "bench/core/cells.hpp"
-#include "bench/ray/png.hpp"
+#include "bench/core/strip.hpp"
+#include "bench/ray/album.hpp"
 #include "bench/ray/work_picture.hpp"
 
 namespace treeline::bench::shadow {
@@ -25,9 +21,8 @@ using Colour = std::array<float, 3>;
 
 constexpr int columns = 6;  // of panels
 constexpr Colour not_asked{0.17f, 0.2f, 0.3f}, too_light{1.0f, 0.55f, 0.1f}, too_dark{0.25f, 0.6f, 1.0f};
-constexpr float right = 0.1f;           // the grey of no error
-constexpr double shown = 0.5;           // the power of errors that is: most are small
-constexpr std::size_t least_steps = 3;  // of a strip
+constexpr float right = 0.1f;  // the grey of no error
+constexpr double shown = 0.5;  // the power of errors that is: most are small
 /// Strips of a scene, those whose knob changes the error most: all would be many megabytes.
 constexpr std::size_t most_strips = 4;
 constexpr double least_change = 0.01;  // of the error, or a knob does not matter
@@ -62,18 +57,9 @@ Image errors(const Receivers& seen, std::span<const float> answers, std::span<co
   }
   return image;
 }
-Image stacked(const Image& above, const Image& below) {
-  Image image(above.width, above.height + below.height, 3);
-  std::ranges::copy(above.values, image.values.begin());
-  std::ranges::copy(below.values, image.values.begin() + std::ptrdiff_t(above.values.size()));
-  return image;
-}
-
 /// What a configuration says of the image.
-struct Answered {
-  Knobs build, query;
+struct Answered : Configuration {
   std::vector<float> answers;
-  double error = 0;
 };
 
 class Painter {
@@ -96,9 +82,8 @@ class Painter {
           continue;
         }
         const auto answers = ShadowBlock::answers(*subject);
-        Answered a{
-            build, query, {answers.begin(), answers.end()}, *block_.check(m, *subject, 0, query).error};
-        out.push_back(std::move(a));
+        out.push_back(
+            {{build, query, *block_.check(m, *subject, 0, query).error}, {answers.begin(), answers.end()}});
       }
     } catch (const std::exception&) {  // its row says why
       return {};
@@ -106,10 +91,10 @@ class Painter {
     return out;
   }
   Image panel(const Answered& a) const {
-    return stacked(shares(block_.image(), a.answers),
-                   errors(block_.image(), a.answers, block_.truth(0).visibility));
+    return ray::stacked(shares(block_.image(), a.answers),
+                        errors(block_.image(), a.answers, block_.truth(0).visibility));
   }
-  Image truth_panel() const { return stacked(shares(block_.image(), exact_), blank(block_.image())); }
+  Image truth_panel() const { return ray::stacked(shares(block_.image(), exact_), blank(block_.image())); }
 
  private:
   ShadowBlock& block_;
@@ -118,56 +103,18 @@ class Painter {
   std::vector<float> exact_;
 };
 
-/// A knob and the configurations that differ in nothing else, from its least to its most: the longest such
-/// run.
-std::pair<std::string, std::vector<const Answered*>> strip_of(const std::vector<Answered>& all) {
-  std::pair<std::string, std::vector<const Answered*>> best;
-  const auto try_knob = [&](const std::string& knob, Knobs Answered::*where) {
-    std::map<std::string, std::vector<const Answered*>> runs;
-    for (const Answered& a : all) {
-      const Knobs& knobs = a.*where;
-      if (!knobs.contains(knob) || !knobs.at(knob).is_number()) continue;
-      Answered rest{a.build, a.query, {}, 0};
-      (rest.*where).erase(knob);
-      runs[rest.build.dump() + rest.query.dump()].push_back(&a);
-    }
-    for (auto& [rest, run] : runs) {
-      if (run.size() <= best.second.size()) continue;
-      std::ranges::sort(run, {},
-                        [&](const Answered* a) { return (a->*where).at(knob).template get<double>(); });
-      best = {knob, run};
-    }
-  };
-  for (const Answered& a : all) {
-    for (const auto& [knob, value] : a.query.items()) try_knob(knob, &Answered::query);
-    for (const auto& [knob, value] : a.build.items()) try_knob(knob, &Answered::build);
-  }
-  return best;
-}
-
-/// The configurations of a method, and those of them that make a strip.
-struct Strip {
-  std::string method, knob;
+/// A method's configurations, and those of them that make a strip.
+struct OfMethod {
+  std::string method;
   std::vector<Answered> all;
-  std::vector<const Answered*> run;
-  double change = 0;  // of the error, from the worst step to the best
+  Strip strip;
 };
 
-std::optional<Strip> strip_of_method(const std::string& method, std::vector<Answered> all) {
-  Strip s{method, {}, std::move(all), {}, 0};
-  std::tie(s.knob, s.run) = strip_of(s.all);
-  if (s.run.size() < least_steps) return std::nullopt;
-  const auto [least, most] = std::ranges::minmax(s.run, {}, &Answered::error);
-  s.change = most->error - least->error;
-  return s.change >= least_change ? std::optional(std::move(s)) : std::nullopt;
-}
-
-/// As a part of a file's name: a light's description is made of more than that takes.
-std::string for_file(std::string name) {
-  constexpr std::string_view kept = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._+-,";
-  for (char& c : name)
-    if (kept.find(c) == kept.npos) c = '_';
-  return name;
+std::optional<OfMethod> strip_of_method(const std::string& method, std::vector<Answered> all) {
+  const std::vector<Configuration> plain(all.begin(), all.end());
+  auto strip = strip_of(plain);
+  if (!strip || strip->change < least_change) return std::nullopt;
+  return OfMethod{method, std::move(all), std::move(*strip)};
 }
 
 std::string knobs_of(const Answered& a) {
@@ -180,30 +127,12 @@ std::string knobs_of(const Answered& a) {
 
 void draw_pictures(const std::vector<Method>& methods, ShadowBlock& block, const std::string& dataset,
                    int threads, const std::string& folder) {
-  const std::filesystem::path root(folder);
-  std::filesystem::create_directories(root);
-  // Drawn again, the pictures of this dataset take the place of the earlier ones.
-  std::string lines;
-  {
-    std::ifstream in(root / "pictures.jsonl");
-    for (std::string line; std::getline(in, line);)
-      if (line.find("\"dataset\":\"" + dataset + "\"") == std::string::npos) lines += line + '\n';
-  }
-  const auto add = [&](const std::string& what, const Image& image, const std::string& title,
-                       const std::string& caption, const std::string& method, const std::string& kind) {
-    const std::string file = "shadow_" + for_file(dataset) + "_" + what + ".png";
-    if (!ray::write_png((root / file).string(), image)) return;
-    lines += nlohmann::ordered_json{{"task", "shadow"},   {"file", file},       {"title", title},
-                                    {"caption", caption}, {"dataset", dataset}, {"method", method},
-                                    {"kind", kind}}
-                 .dump() +
-             '\n';
-  };
-
+  ray::Album album("shadow", dataset, folder);
   const Painter painter(block, methods, threads);
   std::vector<Image> panels{painter.truth_panel()};
   std::string names = "the truth";
-  std::vector<Strip> strips;
+  std::vector<std::string> labels{"truth"};
+  std::vector<OfMethod> strips;
   const bool all_strips = std::ranges::find(with_all_strips, dataset) != std::end(with_all_strips);
   for (std::size_t m = 0; m < methods.size(); ++m) {
     const MethodInfo& info = methods[m].info;
@@ -213,6 +142,7 @@ void draw_pictures(const std::vector<Method>& methods, ShadowBlock& block, const
     const Answered& best = *std::ranges::min_element(all, {}, &Answered::error);
     panels.push_back(painter.panel(best));
     names += fmt::format(", {}{} {:.3g}", info.name, knobs_of(best), best.error);
+    labels.push_back(fmt::format("{} {:.3g}", info.name, best.error));
     if (info.source == Source::peer) continue;
     // Of the plain map, which is soon made, every resolution.
     const std::size_t builds = info.name == "shadow_map" ? info.build_knobs.size()
@@ -222,33 +152,39 @@ void draw_pictures(const std::vector<Method>& methods, ShadowBlock& block, const
       for (Answered& a : painter.asked(m, info.build_knobs[b])) all.push_back(std::move(a));
     if (auto strip = strip_of_method(info.name, std::move(all))) strips.push_back(std::move(*strip));
   }
-  std::ranges::sort(strips, std::greater(), &Strip::change);
+  std::ranges::sort(strips, std::greater(), [](const OfMethod& s) { return s.strip.change; });
   if (!all_strips && strips.size() > most_strips) strips.resize(most_strips);
-  for (const Strip& s : strips) {
+  for (const OfMethod& s : strips) {
+    const std::string& knob = s.strip.knob;
     std::vector<Image> strip;
-    std::string steps;
-    for (const Answered* a : s.run) {
-      strip.push_back(painter.panel(*a));
-      Knobs both = a->build;
-      both.update(a->query);
-      steps += fmt::format("{}{} {:.3g}", steps.empty() ? "" : ", ", both.at(s.knob).dump(), a->error);
+    std::vector<std::string> steps;
+    for (const std::size_t k : s.strip.steps) {
+      strip.push_back(painter.panel(s.all[k]));
+      steps.push_back(fmt::format("{} {:.3g}", value_at(s.all[k], knob).dump(), s.all[k].error));
     }
-    add(s.method + "_" + s.knob, ray::beside(strip, static_cast<int>(strip.size())),
-        fmt::format("{} by {}", s.method, s.knob),
-        fmt::format("From left to right {} and error: {}. Under each where it is too light, orange, or too "
-                    "dark, blue.",
-                    s.knob, steps),
-        s.method, "strip");
+    const auto count = static_cast<int>(strip.size());
+    album.add(
+        s.method + "_" + knob, ray::beside(strip, count),
+        {.title = fmt::format("{} by {}", s.method, knob),
+         .caption = fmt::format("From left to right {} and error: {}. Under each where it is too light, "
+                                "orange, or too dark, blue.",
+                                knob, fmt::join(steps, ", ")),
+         .method = s.method,
+         .kind = "strip",
+         .columns = count,
+         .panels = steps});
   }
-  add("methods", ray::beside(panels, columns), "The share of the light that is seen, by every method",
-      fmt::format("Row after row, each with its error: {}. Under each where it is too light, orange, or too "
-                  "dark, blue, "
-                  "by the root of the error; dark blue is not asked about.",
-                  names),
-      "", "shadow");
-  std::ofstream index(root / "pictures.jsonl");
-  index << lines;
-  if (!index) throw std::runtime_error(folder + "/pictures.jsonl cannot be written");
+  album.add(
+      "methods", ray::beside(panels, columns),
+      {.title = "The share of the light that is seen, by every method",
+       .caption = fmt::format("Row after row, each with its error: {}. Under each where it is too light, "
+                              "orange, or too dark, blue, by the root of the error; dark blue is not "
+                              "asked about.",
+                              names),
+       .method = "",
+       .kind = "shadow",
+       .columns = std::min(columns, static_cast<int>(panels.size())),
+       .panels = labels});
 }
 
 }  // namespace treeline::bench::shadow

@@ -16,6 +16,7 @@
 #include <array>
 #include <span>
 
+#include "bench/shadow/lights.hpp"
 #include "bench/shadow/receivers.hpp"
 
 namespace treeline::bench::shadow {

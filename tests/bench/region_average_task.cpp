@@ -296,12 +296,20 @@ TEST(RegionAverageProgram, SmokeProfileEndsWellAndTheLadderClimbs) {
     EXPECT_LT(errors.at(name), 1e-7) << name;
   if (std::filesystem::exists(folder / "pictures" / "pictures.jsonl")) {
     std::ifstream index(folder / "pictures" / "pictures.jsonl");
-    std::size_t pictures = 0;
-    for (std::string line; std::getline(index, line); ++pictures)
-      EXPECT_TRUE(std::filesystem::exists(folder / "pictures" /
-                                          nlohmann::json::parse(line)["file"].get<std::string>()))
-          << line;
-    EXPECT_GE(pictures, 20u);
+    std::map<std::string, int> filtered, strips;  // by texture
+    for (std::string line; std::getline(index, line);) {
+      const auto picture = nlohmann::json::parse(line);
+      EXPECT_TRUE(std::filesystem::exists(folder / "pictures" / picture["file"].get<std::string>())) << line;
+      ++(picture["kind"] == "strip" ? strips : filtered)[picture["dataset"]];
+      const std::string panels = picture["panels"].dump();
+      if (picture["kind"] == "filtered")
+        for (const char* method : {"truth", "nearest", "mip_square", "mip_anisotropic", "sat_float", "brute"})
+          EXPECT_NE(panels.find(method), std::string::npos) << method << ": " << line;
+    }
+    for (const char* texture : {"noise", "ramp", "checkers", "mask", "star", "marble"}) {
+      EXPECT_EQ(filtered[texture], 3) << texture;
+      EXPECT_GE(strips[texture], texture == std::string("ramp") ? 0 : 1) << texture;
+    }
   }
   std::filesystem::remove_all(folder);
 }

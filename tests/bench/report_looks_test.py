@@ -1,7 +1,9 @@
 """How methods look, what is told of them beside their names, and labels of axes, on rows made by hand."""
 
+import json
 import re
 import sys
+import tempfile
 import unittest
 from pathlib import Path
 
@@ -117,6 +119,23 @@ class Told(unittest.TestCase):
     def test_every_query_set_of_shadows_is_explained(self):
         text = page.build(read(made(query_set="top") | {"task": "shadow", "dataset": "slab_and_sheet"}), [])
         self.assertIn("<code>top</code>", text)
+
+    def test_panels_are_named_where_they_stand(self):
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "a.png").write_bytes(b"png")
+            lines = [{"file": "a.png", "kind": "work", "columns": 2, "panels": ["one & only", "two", "three"]},
+                     {"file": "a.png", "kind": "work", "columns": 0, "panels": ["one"]}]  # fmt: skip
+            for line, names in zip(lines, (3, None)):
+                Path(folder, "pictures.jsonl").write_text(json.dumps(line))
+                found, warnings = pictures.read([folder])
+                if names is None:
+                    self.assertEqual((found, len(warnings)), ([], 1))
+                    continue
+                text = pieces.gallery(found)
+                self.assertIn("--columns:2;--rows:2", text)
+                self.assertEqual(text.count("<li>"), names)
+                self.assertIn("one &amp; only", text)
+        self.assertNotIn("<ol", pieces.gallery([pictures.Picture("t", "ray", "d", "m", "normals", "", "data:,")]))
 
     def test_strips_say_what_their_colours_mean(self):
         def strip(task):

@@ -28,7 +28,7 @@ struct Edge {
   Truth truth;
 
   explicit Edge(double light) {
-    scene.light.u *= light, scene.light.v *= light;
+    scene.light.u = scene.light.u * light, scene.light.v = scene.light.v * light;
     scene.camera.width = 40, scene.camera.height = 30;
     const auto known = datasets::known_shadows("half_plane_edge");
     for (const Receiver& r : receivers_of(scene, Tree(scene.mesh), 1).list)
@@ -40,7 +40,7 @@ struct Edge {
   }
   /// Whether a ray passes the edge, by its plane.
   bool lit(const Vec3d& from, const ToLight& to) const {
-    const datasets::HalfPlane plane = datasets::known_shadows("half_plane_edge").blockers.at(0);
+    const datasets::HalfPlane plane = datasets::known_shadows("half_plane_edge").blockers.planes.at(0);
     const Vec3d normal = cross(plane.along, plane.into);
     const double t = dot(plane.point - from, normal) / dot(to.direction, normal);
     return !(t > 0 && t < to.distance && dot(from + to.direction * t - plane.point, plane.into) > 0);
@@ -129,7 +129,9 @@ TEST(ShadowSplit, GrowsWithLightAndSmoothness) {
     }
     const double mirror = std::sqrt(sum / double(edge.receivers.size()));
     EXPECT_LT(off.back(), mirror) << light;
-    if (light == 2.0) EXPECT_GT(off.back(), 0.5 * mirror);
+    if (light == 2.0) {
+      EXPECT_GT(off.back(), 0.5 * mirror);
+    }
   }
 }
 
