@@ -100,7 +100,8 @@ std::vector<Row> Harness::run(const BlockFacts& facts, Block& block, Progress& p
 /// Builds from cell `next` on until the memory budget is used up.
 Harness::Group Harness::next_group(std::vector<Cell>& cells, std::size_t& next, Block& block,
                                    Progress& progress) {
-  const int times = options_.context.profile == Profile::smoke ? 1 : 3;
+  const Profile profile = options_.context.profile;
+  const BuildRuns runs{profile == Profile::smoke ? 1 : 3, profile == Profile::full ? 1.0 : 0.1};
   const std::size_t budget = memory_budget();
   Group group;
   for (std::size_t used = 0; next < cells.size() && used <= budget;) {
@@ -109,7 +110,7 @@ Harness::Group Harness::next_group(std::vector<Cell>& cells, std::size_t& next, 
     progress.step(static_cast<double>(next) / static_cast<double>(cells.size()),
                   "building " + cells[next].row.method);
     Group::Held held;
-    held.build = timed_build(block, method, cells[next].row.build_knobs, threads, times);
+    held.build = timed_build(block, method, cells[next].row.build_knobs, threads, runs);
     const auto of_this_build = [&](const Cell& cell) {
       return cell.method == method && cell.build == knobs && cell.row.threads == threads;
     };

@@ -9,7 +9,6 @@
 namespace treeline::bench {
 namespace {
 
-constexpr double short_build_s = 0.25;  // longer builds are not repeated
 constexpr double short_batch_s = 0.01;  // shorter batches are run twice to know what they take
 
 class Stopwatch {
@@ -38,19 +37,21 @@ void check(Block& block, Subject& subject, Cell& cell) {
 
 }  // namespace
 
-Build timed_build(Block& block, std::size_t method, const Knobs& build_knobs, int threads, int times) {
+Build timed_build(Block& block, std::size_t method, const Knobs& build_knobs, int threads,
+                  const BuildRuns& runs) {
   Build out;
   std::vector<double> seconds;
+  double spent = 0;
   try {
     block.warm_up(method, threads);
-    for (int i = 0; i < times; ++i) {
+    for (int i = 0; i < runs.most; ++i) {
       out.subject.reset();  // never two at a time
       ByteCount count;
       const Stopwatch watch;
       out.subject = block.build(method, build_knobs, threads);
       seconds.push_back(watch.seconds());
       out.bytes = count.live();  // of the last build, where pools are full that nobody warmed up
-      if (seconds.back() > short_build_s) break;
+      if ((spent += seconds.back()) > runs.enough_s) break;
     }
     out.seconds = median_interval(seconds).median;
   } catch (...) {

@@ -15,8 +15,14 @@ struct Build {
   std::optional<std::size_t> bytes;
 };
 
-/// Builds up to `times` times while that stays short; seconds is the median, bytes those of the last.
-Build timed_build(Block&, std::size_t method, const Knobs& build_knobs, int threads, int times);
+/// How often to build: at most so often, and not again once it took so long in all.
+struct BuildRuns {
+  int most = 1;
+  double enough_s = 0;
+};
+
+/// Seconds are the median of the runs, bytes those of the last.
+Build timed_build(Block&, std::size_t method, const Knobs& build_knobs, int threads, const BuildRuns&);
 /// Copies status, seconds and bytes into a row, and what the method keeps of the caller's data.
 void note_build(Row&, const Build&, const MethodInfo&, const Block&);
 

@@ -100,7 +100,7 @@ void Stress::run_build(Case& hard, std::vector<Cell> cells) {
       send("opened");  // the limit of time starts anew
       Block& block = own ? *own : *hard.block;
       const Build build =
-          timed_build(block, cells[next].method, cells[next].row.build_knobs, options_.context.threads, 1);
+          timed_build(block, cells[next].method, cells[next].row.build_knobs, options_.context.threads, {});
       if (build.subject) send("built");
       for (std::size_t i = next; i < cells.size(); ++i) {
         Cell cell = cells[i];

@@ -15,7 +15,7 @@ using datasets::Dataset;
 
 constexpr const char* damages[] = {"hole_2",       "missing_1", "flipped_1", "flipped_10", "duplicated_1",
                                    "degenerate_1", "unwelded",  "nested",    "inside_out"};
-constexpr std::size_t damaged_n = 5'000;
+constexpr std::size_t damaged_n = 5'000, damaged_n_quick = 2'000;
 
 /// A batch is repeated, and what one pass leaves in the caches must not be all that the next one needs.
 SetSizes set_sizes(std::size_t n, Profile profile) {
@@ -88,7 +88,9 @@ std::vector<BlockSpec> InsideTask::blocks(Profile profile) const {
       if (recipe.kind == datasets::Kind::mesh && recipe.closed)
         for (const std::size_t n : {1'000, 10'000, 100'000, 1'000'000, 10'000'000})
           blocks.push_back({recipe.name, n});
-  for (const char* damage : damages) blocks.push_back({std::string("icosphere+") + damage, damaged_n});
+  for (const char* damage : damages)
+    blocks.push_back(
+        {std::string("icosphere+") + damage, profile == Profile::quick ? damaged_n_quick : damaged_n});
   return blocks;
 }
 

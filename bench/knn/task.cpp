@@ -70,9 +70,9 @@ std::vector<BlockSpec> KnnTask::blocks(Profile profile) const {
       add({"georeferenced"}, 1'000);
       break;
     case Profile::quick:
-      add(cloud_names(), 100'000);
+      for (const std::string& name : cloud_names())
+        add({name}, std::ranges::count(charted_in_n, name) > 0 ? 100'000 : 30'000);
       add(charted_in_n, 10'000);
-      add({"uniform_cube"}, 300'000);
       add({"lidar"}, 1'000'000);
       break;
     case Profile::full:
@@ -92,7 +92,7 @@ std::vector<BlockSpec> KnnTask::hard_blocks() const {
 
 std::vector<BlockSpec> KnnTask::scaling_blocks(Profile profile) const {
   if (profile == Profile::smoke) return {{"uniform_cube", 1'000}};
-  if (profile == Profile::quick) return {{"uniform_cube", 300'000}};
+  if (profile == Profile::quick) return {{"uniform_cube", 100'000}};
   return {{"uniform_cube", 1'000'000}, {"lidar", 1'000'000}};
 }
 

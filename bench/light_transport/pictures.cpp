@@ -24,7 +24,7 @@ using Colour = std::array<float, 3>;
 constexpr Colour too_bright{1.0f, 0.55f, 0.1f}, too_dark{0.25f, 0.6f, 1.0f};
 constexpr float right = 0.1f;        // the grey of no error
 constexpr double full_colour = 0.5;  // relative error
-constexpr int converged_samples = 256, alone_samples = 128, strip_samples[] = {1, 4, 16, 64};
+constexpr int converged_samples = 128, alone_samples = 64, strip_samples[] = {1, 4, 16, 64};
 constexpr double white_quantile = 0.99;
 /// The room that gets a strip; a strip of noise is large.
 constexpr const char* with_strip = "cornell_box";

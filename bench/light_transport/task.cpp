@@ -19,7 +19,7 @@ constexpr std::array seldom{"plates_and_lamps"};
 
 int pixels(Profile profile, bool scaling) {
   const int plain = profile == Profile::smoke ? 128 : profile == Profile::quick ? 800 : 12'000;
-  return scaling ? 8 * plain : plain;
+  return scaling ? (profile == Profile::quick ? 2 : 8) * plain : plain;
 }
 
 TruthOptions truth_options(Profile profile, std::uint64_t seed) {

@@ -79,19 +79,15 @@ RayTask::RayTask() : RegisteredTask(TREELINE_TASK_METHODS, TREELINE_TASK_NOT_BUI
 
 std::vector<BlockSpec> RayTask::blocks(Profile profile) const {
   if (profile == Profile::smoke) return {{"icosphere", 1'000}, {"forest", 1'000}};
+  if (profile == Profile::quick)
+    return {{"icosphere", 10'000},    {"icosphere", 100'000},    {"icosphere", 1'000'000},
+            {"architecture", 10'000}, {"architecture", 100'000}, {"terrain", 30'000},
+            {"forest", 30'000},       {"nested_shells", 30'000}};
   std::vector<BlockSpec> blocks;
-  for (const auto& recipe : datasets::recipes()) {
-    if (recipe.kind != datasets::Kind::mesh) continue;
-    const auto is = [&](std::initializer_list<const char*> names) {
-      return std::ranges::find(names, recipe.name) != names.end();
-    };
-    for (const std::size_t n : {1'000, 10'000, 100'000, 1'000'000, 10'000'000}) {
-      const bool quick = (n == 100'000 && !is({"torus_knot"})) ||
-                         (n == 10'000 && is({"icosphere", "architecture"})) ||
-                         (n == 1'000'000 && is({"icosphere"}));
-      if (profile == Profile::full || quick) blocks.push_back({recipe.name, n});
-    }
-  }
+  for (const auto& recipe : datasets::recipes())
+    if (recipe.kind == datasets::Kind::mesh)
+      for (const std::size_t n : {1'000, 10'000, 100'000, 1'000'000, 10'000'000})
+        blocks.push_back({recipe.name, n});
   return blocks;
 }
 
@@ -104,7 +100,7 @@ std::vector<BlockSpec> RayTask::hard_blocks() const {
 
 std::vector<BlockSpec> RayTask::scaling_blocks(Profile profile) const {
   if (profile == Profile::smoke) return {{"icosphere", 1'000}};
-  if (profile == Profile::quick) return {{"icosphere", 300'000}};
+  if (profile == Profile::quick) return {{"icosphere", 100'000}};
   return {{"icosphere", 1'000'000}, {"architecture", 1'000'000}, {"forest", 1'000'000}};
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 namespace texture = shading::texture;
 
-constexpr int columns = 6;               // of panels
+constexpr int columns = 7;               // of panels
 constexpr double full_colour = 0.1;      // error, in the range of the texture
 constexpr double least_change = 0.0005;  // of a strip's error, or its knob does not matter
 
@@ -106,7 +106,7 @@ constexpr const char* key =
 
 void draw_strip(const Painter& painter, const std::string& name, const std::vector<Answered>& all,
                 const std::string& words, const std::string& file, ray::Album& album) {
-  const auto strip = strip_of(std::vector<Configuration>(all.begin(), all.end()));
+  const auto strip = strip_of(std::vector<Configuration>(all.begin(), all.end()), 2);
   if (!strip || strip->change < least_change) return;
   std::vector<Image> panels;
   std::vector<std::string> steps;
@@ -150,7 +150,7 @@ void write_pictures(const std::vector<Method>& methods, const datasets::Dataset&
       const std::string knobs = format_knobs(best.query);
       names.push_back(fmt::format("{}{} {:.2g}", name, knobs == "-" ? "" : " (" + knobs + ")", best.error));
       labels.push_back(fmt::format("{} {:.2g}", name, best.error));
-      draw_strip(painter, name, all, words, file, album);
+      if (method.info.source == Source::ours) draw_strip(painter, name, all, words, file, album);
     }
     album.add(
         file, ray::beside(panels, columns),

@@ -60,7 +60,7 @@ std::unique_ptr<Block> RegionAverageTask::open(const BlockSpec& spec, const RunC
     Image& image = input.dataset.image = c.make();
     input.sets = make_hard_sets(image.width, image.height, 400, context.seed);
     if (c.independent)
-      for (FootprintSet& set : make_whole_sets(image.width, image.height, 4096, context.seed))
+      for (FootprintSet& set : make_whole_sets(image.width, image.height, 1024, context.seed))
         input.sets.push_back(std::move(set));
     input.must_answer = c.expect == datasets::Expect::answers;
     input.moments = c.moments, input.independent = c.independent;

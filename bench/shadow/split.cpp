@@ -13,10 +13,9 @@ namespace {
 using Shares = std::array<double, split_roughness.size()>;
 
 /// One estimate of the error of each roughness, at one receiver.
-Shares estimate(const shading::Scene& scene, const Tree& tree, const Receiver& r, int samples,
+Shares estimate(const shading::Scene& scene, const Tree& tree, const Receiver& r, double offset, int samples,
                 std::uint64_t stream) {
   const Vec3d eye = mirrored_light(scene.light, r);
-  const double offset = ray_offset(scene);
   Shares seen{}, all{}, off{};
   int free = 0;
   for (int s = 0; s < samples; ++s) {
@@ -65,12 +64,15 @@ std::array<double, split_roughness.size()> split_errors(const shading::Scene& sc
     if (truth.visibility[i] > 0 && truth.visibility[i] < 1) between.push_back(i);
   if (is_hard(scene.light) || between.empty()) return rms;
   const std::size_t count = std::min(options.most, between.size());
+  const double offset = ray_offset(scene);
   std::vector<Shares> squares(count);
   accel::parallel_ranges(count, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t j = begin; j < end; ++j) {
       const std::size_t i = between[j * between.size() / count];
-      const Shares a = estimate(scene, tree, receivers[i], options.samples, geometry::hash_u64(0, i)),
-                   b = estimate(scene, tree, receivers[i], options.samples, geometry::hash_u64(1, i));
+      const auto of_half = [&](std::uint64_t half) {
+        return estimate(scene, tree, receivers[i], offset, options.samples, geometry::hash_u64(half, i));
+      };
+      const Shares a = of_half(0), b = of_half(1);
       for (std::size_t k = 0; k < rms.size(); ++k) squares[j][k] = a[k] * b[k];
     }
   });

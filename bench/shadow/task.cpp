@@ -108,12 +108,19 @@ void ShadowTask::check_flags(const RunContext& context) const {
 
 std::vector<BlockSpec> ShadowTask::blocks(Profile profile) const {
   if (profile == Profile::smoke) return {{"half_plane_edge", 100}};
-  std::vector<BlockSpec> out{
-      {"tilted_plane", 200},        {"tilted_plane_85_0", 200}, {"half_plane_edge", 200},
-      {"sphere_over_floor", 5'000}, {"wall_on_floor", 200},     {"slab_and_sheet", 200},
-      {"two_stacked", 200},         {"three_layers", 200},      {"slit", 200},
-      {"picket_fence", 2'000},      {"leaves", 100'000},        {"city", 20'000},
-      {"open_casters", 500}};
+  std::vector<BlockSpec> out{{"tilted_plane", 200},
+                             {"tilted_plane_85_0", 200},
+                             {"half_plane_edge", 200},
+                             {"sphere_over_floor", 5'000},
+                             {"wall_on_floor", 200},
+                             {"slab_and_sheet", 200},
+                             {"two_stacked", 200},
+                             {"three_layers", 200},
+                             {"slit", 200},
+                             {"picket_fence", 2'000},
+                             {"leaves", profile == Profile::quick ? 20'000u : 100'000u},
+                             {"city", 20'000},
+                             {"open_casters", 500}};
   if (profile == Profile::full) {
     out.push_back({"leaves", 1'000'000});
     out.push_back({"city", 200'000});

