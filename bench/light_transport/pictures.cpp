@@ -128,7 +128,7 @@ void draw_pictures(const std::vector<Method>& methods, LitScene room, const std:
   std::ranges::fill(blank.values, right);
   std::vector<Image> panels{ray::stacked(displayed(film.image(), exposure), blank)}, strip;
   std::string names = fmt::format("converged ({} samples)", converged_samples);
-  std::vector<std::string> labels{"converged"}, steps;
+  std::vector<std::string> labels{"converged"}, steps, named;
   const auto panel = [&](const Film& f) {
     return ray::stacked(displayed(f.image(), exposure), errors(f, truth));
   };
@@ -164,6 +164,7 @@ void draw_pictures(const std::vector<Method>& methods, LitScene room, const std:
       const Film f = render(*mis, {{"samples", samples}});
       strip.push_back(panel(f));
       steps.push_back(fmt::format("{} {:.3g}", samples, error_of(f, truth)));
+      named.push_back("samples " + steps.back());
     }
     album.add(
         "mis_samples", ray::beside(strip, static_cast<int>(strip.size())),
@@ -172,7 +173,7 @@ void draw_pictures(const std::vector<Method>& methods, LitScene room, const std:
          .method = "mis",
          .kind = "strip",
          .columns = static_cast<int>(strip.size()),
-         .panels = steps});
+         .panels = named});
   }
 }
 

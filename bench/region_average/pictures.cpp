@@ -109,10 +109,11 @@ void draw_strip(const Painter& painter, const std::string& name, const std::vect
   const auto strip = strip_of(std::vector<Configuration>(all.begin(), all.end()), 2);
   if (!strip || strip->change < least_change) return;
   std::vector<Image> panels;
-  std::vector<std::string> steps;
+  std::vector<std::string> steps, labels;
   for (const std::size_t k : strip->steps) {
     panels.push_back(painter.panel(all[k]));
     steps.push_back(fmt::format("{} {:.2g}", value_at(all[k], strip->knob).dump(), all[k].error));
+    labels.push_back(strip->knob + " " + steps.back());
   }
   const auto count = static_cast<int>(panels.size());
   album.add(file + "_" + name + "_" + strip->knob, ray::beside(panels, count),
@@ -122,7 +123,7 @@ void draw_strip(const Painter& painter, const std::string& name, const std::vect
              .method = name,
              .kind = "strip",
              .columns = count,
-             .panels = steps});
+             .panels = labels});
 }
 
 }  // namespace

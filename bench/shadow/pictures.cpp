@@ -157,10 +157,11 @@ void draw_pictures(const std::vector<Method>& methods, ShadowBlock& block, const
   for (const OfMethod& s : strips) {
     const std::string& knob = s.strip.knob;
     std::vector<Image> strip;
-    std::vector<std::string> steps;
+    std::vector<std::string> steps, named;
     for (const std::size_t k : s.strip.steps) {
       strip.push_back(painter.panel(s.all[k]));
       steps.push_back(fmt::format("{} {:.3g}", value_at(s.all[k], knob).dump(), s.all[k].error));
+      named.push_back(knob + " " + steps.back());
     }
     const auto count = static_cast<int>(strip.size());
     album.add(
@@ -172,7 +173,7 @@ void draw_pictures(const std::vector<Method>& methods, ShadowBlock& block, const
          .method = s.method,
          .kind = "strip",
          .columns = count,
-         .panels = steps});
+         .panels = named});
   }
   album.add(
       "methods", ray::beside(panels, columns),
