@@ -94,8 +94,12 @@ done
 
 # What is not, hard cases and pictures, shares it: one job a core, and one more, as some wait for a peer's time
 # to run out.
+# Steps of hard cases take milliseconds; those that hang must not cost the quick profile much of its time.
+limit=20
+[ "$profile" = quick ] && limit=10
 hard_cases() {
-  "$(program "$1")" --stress --rows "$out/$1.stress.jsonl" ${flags[@]+"${flags[@]}"} >"$out/$1.stress.log"
+  "$(program "$1")" --stress --stress-seconds $limit --rows "$out/$1.stress.jsonl" ${flags[@]+"${flags[@]}"} \
+    >"$out/$1.stress.log"
 }
 draw_pictures() {
   "$(program "$1")" --profile "$profile" --pictures "$out/pictures/$1" >"$out/$1.pictures.log"

@@ -63,7 +63,10 @@ ClosestOnTriangle<T> closest_point_on_triangle(const Vec<T, 3>& p, const Triangl
     if (area2 < detail::thin_sine2 * length2(ab) * length2(ac)) [[unlikely]]
       return detail::closest_on_thin_triangle(p, triangle);
 
-  const Box<T, 3> box = triangle.box();
+  // Here no corner is NaN, or the area were: no need to look out for it.
+  const Box<T, 3> box = extreme ? triangle.box()
+                                : Box<T, 3>{min(min(triangle.a, triangle.b), triangle.c),
+                                            max(max(triangle.a, triangle.b), triangle.c)};
   ClosestOnTriangle<T> best{triangle.a, 4};
   const auto offer = [&](const Vec<T, 3>& point, int feature) {
     const Vec<T, 3> q = min(max(point, box.low), box.high);

@@ -9,7 +9,7 @@ namespace treeline::bench::brdf_integral {
 
 /// How much is asked: viewers of an integral, and how often each; estimates of the average over all viewers.
 struct Amount {
-  std::size_t views = 12, repeats = 16, averages = 24;
+  std::size_t views = 10, repeats = 12, averages = 20;
 };
 
 /// albedo, cosine_sky, small_light, average.

@@ -66,10 +66,10 @@ std::vector<BlockSpec> ClosestPointTask::blocks(Profile profile) const {
     case Profile::smoke:
       return {{"icosphere", 1'000}, {"forest", 1'000}, {"caps", 1'000}};
     case Profile::quick:
-      return {{"icosphere", 1'000},      {"icosphere", 10'000}, {"icosphere", 100'000},
-              {"icosphere", 1'000'000},  {"terrain", 10'000},   {"architecture", 10'000},
-              {"architecture", 100'000}, {"forest", 100'000},   {"nested_shells", 10'000},
-              {"needles", 1'000},        {"caps", 1'000}};
+      return {{"icosphere", 1'000},     {"icosphere", 10'000}, {"icosphere", 100'000},
+              {"icosphere", 1'000'000}, {"terrain", 10'000},   {"architecture", 10'000},
+              {"architecture", 30'000}, {"forest", 30'000},    {"nested_shells", 10'000},
+              {"needles", 1'000},       {"caps", 1'000}};
     case Profile::full:
       break;
   }

@@ -7,7 +7,7 @@ namespace treeline::bench {
 namespace {
 
 constexpr double long_batch_s = 0.5;   // longer batches run once a repetition
-constexpr double slow_batch_s = 0.05;  // longer ones are repeated once only, where time is short
+constexpr double slow_batch_s = 0.02;  // longer ones are repeated once only, where time is short
 /// Long beside a clock's step and a cold start; the quick profile has thousands of cells.
 constexpr double quick_repetition_s = 0.004;
 

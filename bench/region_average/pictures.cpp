@@ -104,26 +104,32 @@ constexpr const char* key =
     "Under each the difference of the first channel: orange too bright, blue too dark, "
     "full colour at 0.1.";
 
-void draw_strip(const Painter& painter, const std::string& name, const std::vector<Answered>& all,
-                const std::string& words, const std::string& file, ray::Album& album) {
-  const auto strip = strip_of(std::vector<Configuration>(all.begin(), all.end()), 2);
-  if (!strip || strip->change < least_change) return;
+/// A method's strip under the footprint that its knob matters most to.
+struct Shown {
+  double change = least_change;
+  ray::Words words;
+  std::string file;
   std::vector<Image> panels;
+};
+
+void take_strip(const Painter& painter, const std::string& name, const std::vector<Answered>& all,
+                const std::string& words, Shown& shown) {
+  const auto strip = strip_of(std::vector<Configuration>(all.begin(), all.end()), 2);
+  if (!strip || strip->change < shown.change) return;
+  shown = {.change = strip->change, .words = {}, .file = name + "_" + strip->knob, .panels = {}};
   std::vector<std::string> steps, labels;
   for (const std::size_t k : strip->steps) {
-    panels.push_back(painter.panel(all[k]));
+    shown.panels.push_back(painter.panel(all[k]));
     steps.push_back(fmt::format("{} {:.2g}", value_at(all[k], strip->knob).dump(), all[k].error));
     labels.push_back(strip->knob + " " + steps.back());
   }
-  const auto count = static_cast<int>(panels.size());
-  album.add(file + "_" + name + "_" + strip->knob, ray::beside(panels, count),
-            {.title = fmt::format("{} by {}, {}", name, strip->knob, words),
-             .caption = fmt::format("From left to right {} and RMS error: {}. {}", strip->knob,
-                                    fmt::join(steps, ", "), key),
-             .method = name,
-             .kind = "strip",
-             .columns = count,
-             .panels = labels});
+  shown.words = {.title = fmt::format("{} by {}, {}", name, strip->knob, words),
+                 .caption = fmt::format("From left to right {} and RMS error: {}. {}", strip->knob,
+                                        fmt::join(steps, ", "), key),
+                 .method = name,
+                 .kind = "strip",
+                 .columns = static_cast<int>(shown.panels.size()),
+                 .panels = labels};
 }
 
 }  // namespace
@@ -138,11 +144,13 @@ void write_pictures(const std::vector<Method>& methods, const datasets::Dataset&
                         {"oblongs of 24 x 4", "oblong", texture::box_footprint({0, 0, 24, 4})},
                         {"boxes of 24 x 4, turned", "turned", texture::rotated_box(0, 0, 12, 2, 0.6)}};
   ray::Album album("region_average", dataset.name, folder);
+  std::vector<Shown> strips(methods.size());
   for (const auto& [words, file, one] : kinds) {
     const Painter painter(dataset.image, one);
     std::vector<Image> panels{painter.texture_over_truth()};
     std::vector<std::string> labels{"texture, truth"}, names;
-    for (const Method& method : methods) {
+    for (std::size_t m = 0; m < methods.size(); ++m) {
+      const Method& method = methods[m];
       const std::string& name = method.info.name;
       const std::vector<Answered> all = painter.asked(method);
       if (all.empty()) continue;
@@ -151,7 +159,7 @@ void write_pictures(const std::vector<Method>& methods, const datasets::Dataset&
       const std::string knobs = format_knobs(best.query);
       names.push_back(fmt::format("{}{} {:.2g}", name, knobs == "-" ? "" : " (" + knobs + ")", best.error));
       labels.push_back(fmt::format("{} {:.2g}", name, best.error));
-      if (method.info.source == Source::ours) draw_strip(painter, name, all, words, file, album);
+      if (method.info.source == Source::ours) take_strip(painter, name, all, words, strips[m]);
     }
     album.add(
         file, ray::beside(panels, columns),
@@ -164,6 +172,9 @@ void write_pictures(const std::vector<Method>& methods, const datasets::Dataset&
          .columns = std::min(columns, static_cast<int>(panels.size())),
          .panels = labels});
   }
+  for (const Shown& strip : strips)
+    if (!strip.panels.empty())
+      album.add(strip.file, ray::beside(strip.panels, strip.words.columns), strip.words);
 }
 
 }  // namespace treeline::bench::region_average

@@ -58,7 +58,7 @@ std::unique_ptr<Block> RegionAverageTask::open(const BlockSpec& spec, const RunC
     if (c.name != spec.dataset) continue;
     BlockInput input;
     Image& image = input.dataset.image = c.make();
-    input.sets = make_hard_sets(image.width, image.height, 400, context.seed);
+    input.sets = make_hard_sets(image.width, image.height, 200, context.seed);
     if (c.independent)
       for (FootprintSet& set : make_whole_sets(image.width, image.height, 1024, context.seed))
         input.sets.push_back(std::move(set));

@@ -31,7 +31,7 @@ Size image_size(Profile profile) {
     case Profile::smoke:
       return {48, 36};
     case Profile::quick:
-      return {160, 120};
+      return {144, 108};
     case Profile::full:
       break;
   }
