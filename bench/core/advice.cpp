@@ -16,6 +16,9 @@
 namespace treeline::bench {
 namespace {
 
+/// A truth that is itself off by more is no rounding: what agrees with it is not exact for that.
+constexpr double coarse_floor = 1e-5;
+
 /// The first limit that a row breaks; empty: none.
 std::string broken_limit(const Row& row, double tolerance) {
   if (row.status != Status::ok) {
@@ -237,7 +240,9 @@ std::string format_advice(const Advice& advice, double tolerance, const std::str
   if (const auto floor = worst(rung, &Errors::floor))
     out += fmt::format(" (truth itself ±{})", format_error(floor));
   if (!promises(row) && worst(rung, &Errors::error) <= worst(rung, &Errors::floor).value_or(0))
-    out += "\n         approximate; exact on this sample, which promises nothing for other queries";
+    out += fmt::format(
+        "\n         approximate; {} on this sample, which promises nothing for other queries",
+        worst(rung, &Errors::floor).value_or(0) > coarse_floor ? "as right as the truth can tell" : "exact");
   out +=
       fmt::format("\n  build  {}, {}\n", row.build_s ? format_time_ns(*row.build_s * 1e9) : "no time known",
                   row.bytes ? format_bytes(*row.bytes) : "bytes not counted");

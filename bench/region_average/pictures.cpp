@@ -102,7 +102,7 @@ class Painter {
 
 constexpr const char* key =
     "Under each the difference of the first channel: orange too bright, blue too dark, "
-    "full colour at 0.1.";
+    "full colour at 0.1, white where there is none.";
 
 /// A method's strip under the footprint that its knob matters most to.
 struct Shown {

@@ -59,6 +59,7 @@ IDLE, NEARER = "unshadowed", 3  # does nothing in no time: it stands a third lef
 LANE_NAME = 150  # pixels for a method's name beside its lane
 DIM = 0.5
 UNPROMISED = "exact on this sample alone"
+AS_THE_TRUTH = "as right as the truth can tell"
 LEAST = 0.1  # bytes per element, and ns of building: zero has no place on a logarithmic axis
 ZONES = {"failed": "#D55E00", "exact": "#009E73"}
 INK, FAINT, PAPER = "currentColor", "#8884", "var(--card)"
@@ -184,7 +185,8 @@ def frontier_chart(data, layout, looks, element="query", legend=False, width="co
     lane = front.transform_filter(f"datum.y >= {layout.exact_start}")
     layers += [layer.encode(x=x, y=y, text=alt.Text("time:N"))
                for layer in _named(lane.transform_filter("datum.promise"), dx=9, dy=-7, fontWeight="bold")]  # fmt: skip
-    by_luck = lane.transform_filter("!datum.promise").transform_calculate(note=f"datum.time + ', {UNPROMISED}'")
+    by_luck = lane.transform_filter("!datum.promise").transform_calculate(
+        note=f"datum.time + ', ' + (datum.coarse ? '{AS_THE_TRUTH}' : '{UNPROMISED}')")
     layers += [layer.encode(x=x, y=y, text=alt.Text("note:N"))
                for layer in _named(by_luck, "0.85", dx=9, dy=-7, fontStyle="italic")]  # fmt: skip
     empty = base.transform_filter("isValid(datum.note)")

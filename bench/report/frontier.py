@@ -11,6 +11,10 @@ def floor_of(row):
     return ROUNDING if row.error_floor is None else row.error_floor
 
 
+# A truth that is itself off by more is no rounding: what agrees with it is not exact for that.
+COARSE = 1e-5
+
+
 def shown_error(row):
     """The error as charted: 0 means exact, as far as the truth can tell. None where none was measured."""
     if row.error is None:

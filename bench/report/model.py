@@ -5,7 +5,7 @@ from functools import cached_property
 
 from bench.report import charts, tasks
 from bench.report.advice import asked_sets
-from bench.report.frontier import charted, floor_of, promises, shown_error
+from bench.report.frontier import COARSE, charted, floor_of, promises, shown_error
 from bench.report.layout import NOTE_MOST, Layout, marks
 from bench.report.palette import looks
 from bench.report.rows import knob_text
@@ -189,7 +189,7 @@ def points(task, rows):
             "i": i, "method": r.method, "x": r.query_ns,
             "lo": r.query_ns if r.query_ns_low is None else r.query_ns_low,
             "hi": r.query_ns if r.query_ns_high is None else r.query_ns_high,
-            "y": task.layouts[r.dataset].y(r), "front": id(r) in front, "promise": promises(r), "best": id(r) in best,
+            "y": task.layouts[r.dataset].y(r), "front": id(r) in front, "promise": promises(r), "coarse": floor_of(r) > COARSE, "best": id(r) in best,
             "slot": slots.get(id(r)), "n": r.n, "cells": (r.build_knobs or {}).get("resolution"),
             "asked": knob_text(r.query_knobs),
             "build": None if ns is None else max(ns, charts.LEAST),

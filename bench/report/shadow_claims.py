@@ -77,7 +77,7 @@ class Claim:
         self.statements.append((words, figure, len(rows), supports))
 
     def verdict(self):
-        return verdict_of(self.claim, self.statements, (HEADS, self.lines), f"{len(self.lines)} rows of the task shadow",
+        return verdict_of(self.claim, self.statements, (HEADS, self.lines), f"{len(self.lines)} rows of the task shadow; figures within a tenth of each other are alike, shares up to {SOME:g} are none",
                           figure=self.figure, unit=self.unit)  # fmt: skip
 
 
@@ -99,7 +99,7 @@ def acne(claim, rows):
     if pairs:
         a, b = min(pairs, key=lambda p: field(p[0], "figure_bias") / field(p[1], "figure_bias"))
         worse = field(a, "false_dark") > ROOM * field(b, "false_dark") + SOME
-        c.say("under as much bias in metres, or more, it has", field(a, "false_dark"), worse, [a, b], "false_dark")
+        c.say("under as much bias in metres, or more, it has more false shadow, too", field(a, "false_dark"), worse, [a, b], "false_dark")
     by_angle = [r for d in (STEEP, FLAT, "tilted_plane_60_45", "tilted_plane_88_0")
                 if (r := c.rows.one(d, "image", "shadow_map", build, {"bias": 1}))]  # fmt: skip
     if by_angle:
@@ -250,7 +250,7 @@ def leaks(claim, rows):
     for dataset in c.rows.datasets("leak"):
         for method, query, words, supports in (
             ("vsm", {"cut": 0}, "two moments leak more than a tenth", lambda v: v > LEAK),
-            ("msm", {"alpha": 3e-7}, "four leak less", lambda v: v <= LEAK),
+            ("msm", {"alpha": 3e-7}, "four leak less than a tenth", lambda v: v <= LEAK),
         ):
             found = [r for r in c.rows.find(dataset, "leak", method, query=query) if (r.build_knobs or {}).get("radius", 0) >= 1]
             if found:
@@ -302,7 +302,7 @@ def distance_fields(claim, rows):
                   "penumbra")  # fmt: skip
         if formula and disc:
             a, b = (field(r, "penumbra") for r in (formula, disc))
-            c.say(f"{dataset}: within {PENUMBRA}, and no worse than a form that knows the disc (times its error)", a / max(b, 1e-9),
+            c.say(f"{dataset}: no worse than a form that knows the disc, times its error, and right itself ({a:.2g}, within {PENUMBRA})", a / max(b, 1e-9),
                   a <= PENUMBRA and a <= ROOM * b, [formula, disc], "penumbra")  # as wrong as another is not right
     return c.verdict()
 
@@ -328,25 +328,26 @@ def split_rows(rows):
 
 def split(claim, rows):
     """The error of the product by the size of the light and the roughness of the surface."""
-    c = Claim(claim, rows, "RMS error of visibility taken out of the integral", "lights and surfaces")
+    c = Claim(claim, rows, "RMS error of visibility taken out of the integral, or times that of a diffuse surface", "scenes")
     sizes = list(split_rows(c.rows))
     for size, r in sizes:
         error = field(r, "split")
-        c.say(f"a diffuse floor under a disc of radius {size} m, 5 m away: below {UNSEEN:g}", error, error < UNSEEN, [r], "split")
-    for alpha in SPLIT_ALPHAS:
+        c.say(f"the light is a disc of radius {size} m, 5 m away, over a diffuse floor (below {UNSEEN:g})", error, error < UNSEEN, [r],
+              "split")  # fmt: skip
+    widest = sizes[-1][1] if sizes else None
+    for alpha in SPLIT_ALPHAS if widest else ():
         name = split_field(alpha)
         told = [r for _, r in sizes if field(r, name) is not None]
-        if told:
-            worst = max(told, key=lambda r: field(r, name))
-            error, diffuse = field(worst, name), field(worst, "split")
-            c.say(f"its being diffuse matters: under the worst of these, one of roughness {alpha:g}, in its highlight, has more", error,
-                  error > max(UNSEEN, ROOM * diffuse), told, name)  # fmt: skip
+        if field(widest, name) is not None:
+            error, diffuse = field(widest, name), field(widest, "split")
+            c.say(f"the surface is rougher than {alpha:g}: such a one, in its highlight under the widest of these, errs more than a diffuse "
+                  "one (times its error)", error / max(diffuse, 1e-9), error > max(UNSEEN, ROOM * diffuse), told, name)  # fmt: skip
     hard = [r for r in c.rows.rows if r.query_set == "image" and r.method == "unshadowed" and field(r, "penumbra_share") == 0
             and field(r, "split") is not None]  # fmt: skip
     if hard:
         names = [n for n in map(split_field, (None, *SPLIT_ALPHAS)) if all(field(r, n) is not None for r in hard)]
         worst = max(field(r, n) for r in hard for n in names)
-        c.say("lights without extent: exact on each of these surfaces", worst, worst == 0, hard, "split")
+        c.say("the light has no extent, whatever the surface", worst, worst == 0, hard, "split")
     return c.verdict()
 
 

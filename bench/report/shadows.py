@@ -144,8 +144,8 @@ def _width_chart(values, looks, width):
 
 SPLIT = """A shadow as a share of the light, times what the whole light would bring, is not what it does bring. By the surface's
 roughness α (GGX, in its highlight, where the eye sees the middle of the light mirrored) and the radius of a disc light 5 m above a
-ball's shadow: how far the share of the light's area is from the share of what reaches the eye, over the image; all of what stands
-above the dashed line is seen. Errors below {least:g} stand at it."""
+ball's shadow: how far the share of the light's area is from the share of what reaches the eye, over the image. The dashed line is a quarter of one
+of 256 levels of grey; what is above it can show. Errors below {least:g} stand there."""
 
 
 def _split(task, width):
@@ -154,7 +154,7 @@ def _split(task, width):
         for alpha in (None, *shadow_claims.SPLIT_ALPHAS):
             error = shadow_claims.field(row, shadow_claims.split_field(alpha))
             if error is not None:
-                values.append({"surface": f"α = {alpha:g}" if alpha else "diffuse", "radius": f"{radius} m",
+                values.append({"surface": f"α = {alpha:g}" if alpha else "diffuse", "radius": f"radius {radius} m",
                                "y": max(error, LEAST_SPLIT), "told": f"{error:.2g}"})  # fmt: skip
     figures = [Figure(f"{task.name}-split", "sphere_over_floor", "sphere_over_floor", _split_chart(values, width))] if values else []
     return Card(f"{task.name}-card-split", "Visibility taken out of the integral", SPLIT.format(least=LEAST_SPLIT), figures)
@@ -174,7 +174,7 @@ def _split_chart(values, width):
     names = base.transform_filter(alt.datum.surface == surfaces[-1]).mark_text(align="left", dx=8, fontSize=10).encode(text="radius:N")
     seen = alt.Chart(alt.Data(values=[{"y": shadow_claims.UNSEEN}])).mark_rule(color=INK, strokeDash=[4, 3], opacity=0.6)
     dots = base.mark_point(filled=True, size=50).encode(
-        tooltip=[alt.Tooltip("radius:N", title="radius"), alt.Tooltip("surface:N"), alt.Tooltip("told:N", title="error")])  # fmt: skip
+        tooltip=[alt.Tooltip("radius:N", title="disc"), alt.Tooltip("surface:N"), alt.Tooltip("told:N", title="error")])  # fmt: skip
     return charts.layered(seen.encode(y=alt.Y("y:Q", scale=scale)), base.mark_line(strokeWidth=1.4), dots, names, width=width, height=240)
 
 

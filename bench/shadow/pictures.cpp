@@ -117,6 +117,12 @@ std::optional<OfMethod> strip_of_method(const std::string& method, std::vector<A
   return OfMethod{method, std::move(all), std::move(*strip)};
 }
 
+/// What stays as it is along a strip.
+std::string fixed_of(const Answered& a, const std::string& knob) {
+  Knobs all = a.build;
+  all.update(a.query), all.erase(knob);
+  return all.empty() ? "" : "; all with " + format_knobs(all);
+}
 std::string knobs_of(const Answered& a) {
   Knobs all = a.build;
   all.update(a.query);
@@ -167,25 +173,25 @@ void draw_pictures(const std::vector<Method>& methods, ShadowBlock& block, const
     album.add(
         s.method + "_" + knob, ray::beside(strip, count),
         {.title = fmt::format("{} by {}", s.method, knob),
-         .caption = fmt::format("From left to right {} and error: {}. Under each where it is too light, "
+         .caption = fmt::format("From left to right {} and error: {}{}. Under each where it is too light, "
                                 "orange, or too dark, blue.",
-                                knob, fmt::join(steps, ", ")),
+                                knob, fmt::join(steps, ", "), fixed_of(s.all[s.strip.steps.front()], knob)),
          .method = s.method,
          .kind = "strip",
          .columns = count,
          .panels = named});
   }
-  album.add(
-      "methods", ray::beside(panels, columns),
-      {.title = "The share of the light that is seen, by every method",
-       .caption = fmt::format("Row after row, each with its error: {}. Under each where it is too light, "
-                              "orange, or too dark, blue, by the root of the error; dark blue is not "
-                              "asked about.",
-                              names),
-       .method = "",
-       .kind = "shadow",
-       .columns = std::min(columns, static_cast<int>(panels.size())),
-       .panels = labels});
+  album.add("methods", ray::beside(panels, columns),
+            {.title = "The share of the light that is seen, by every method",
+             .caption = fmt::format("Row after row, each as first built, with the knobs that err least then, "
+                                    "and its error: {}. Under each where it is too light, "
+                                    "orange, or too dark, blue, by the root of the error; dark blue is not "
+                                    "asked about.",
+                                    names),
+             .method = "",
+             .kind = "shadow",
+             .columns = std::min(columns, static_cast<int>(panels.size())),
+             .panels = labels});
 }
 
 }  // namespace treeline::bench::shadow

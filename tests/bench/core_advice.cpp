@@ -175,6 +175,14 @@ TEST(Advice, SaysThatItWasExactOnThisSampleOnly) {
   }
 }
 
+TEST(Advice, WhatATruthOfSamplesCannotTellApartIsNotExact) {
+  Row row = rung_row("m", "a", 1, 0);
+  row.claim = Claim::stochastic, row.errors.error = row.errors.max = 5e-4, row.errors.floor = 1e-3;
+  const std::string text = format_advice(advise(FakeTask(), {row}, {"a"}, 0.5), 0.5, "");
+  EXPECT_NE(text.find("as right as the truth can tell"), std::string::npos) << text;
+  EXPECT_EQ(text.find("exact on this sample"), std::string::npos) << text;
+}
+
 TEST(Advice, SaysThatAClaimIsTooWeakUnlessAnErrorSaysMore) {
   std::vector<Row> rows{rung_row("m", "a", 1, 0), rung_row("m", "b", 1, 0)};
   for (Row& row : rows) row.claim = Claim::stochastic;

@@ -87,6 +87,15 @@ class Axes(unittest.TestCase):
         ends = re.findall(r'text-anchor="(\w+)"[^>]*>mis \(samples (\d+)\)', svg)
         self.assertEqual(set(ends), {("start", "4"), ("end", "64")})  # the second would reach over the edge
 
+    def test_what_a_truth_of_samples_cannot_tell_apart_is_not_called_exact(self):
+        method = ("rays", "bvh", "ours", "stochastic")
+        for floor, said, other in ((1e-3, charts.AS_THE_TRUTH, charts.UNPROMISED), (1e-7, charts.UNPROMISED, charts.AS_THE_TRUTH)):
+            (task,) = model.task_models(read(made(method, error=floor / 2) | {"error_floor": floor}))
+            data = charts.alt.Data(values=list(model.points(task, task.soft)))
+            svg = self.drawn(charts.frontier_chart(data, task.layouts["cube"], task.looks, width=460))
+            self.assertIn(said, svg)
+            self.assertNotIn(other, svg)
+
     def test_marks_above_one_have_labels_above_one(self):
         """Times over the whole mesh's, from 0.45 to 1.7 in 240 pixels."""
         ladder = ("bvh_decimated", "bvh", "ours", "approximate")

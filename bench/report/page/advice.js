@@ -1,6 +1,6 @@
 // The advice: the cheapest configuration that meets the tolerance on every stated metric; ../advice.py says the same.
 "use strict";
-const METRICS = { error: "error", error_max: "worst error", error_p99: "99 % quantile", error_mean: "mean of all answers", bias: "bias" };
+const METRICS = { error: "error", error_max: "worst error", error_p99: "99 % quantile", error_mean: "mean error", bias: "bias" };
 
 /// What a metric is called; the error by what the task, or the query set, means by it.
 const metricName = (m, r) => (m === "error" ? errorName(r.task, r.set).replace(/ \(.*/, "") : METRICS[m]);
@@ -50,10 +50,13 @@ function errorsText(rung) {
       const name = metricName(m, r), value = Math.abs(r[m]) <= (r.floor || 0) ? 0 : Math.abs(r[m]);
       largest.set(name, Math.max(value, largest.get(name) || 0));
     }
-  const parts = [...largest];
-  if (parts.every(([, v]) => v === 0))
+  const parts = [...largest], coarse = Math.max(...rung.rows.map((r) => r.floor || 0));
+  if (parts.every(([, v]) => v === 0)) {
+    if (coarse > COARSE) return `as right as the truth can tell, which is itself off by ${figure(coarse)}`;
     return rung.rows.every((r) => r.promise) ? "exact on every stated metric" : "exact on this sample alone, as nothing is promised for others";
-  return parts.map(([name, v]) => `${name} ${v === 0 ? "exact" : figure(v)}`).join(", ");
+  }
+  const none = coarse > COARSE ? `below the truth's own ${figure(coarse)}` : "exact";
+  return parts.map(([name, v]) => `${name} ${v === 0 ? none : figure(v)}`).join(", ");
 }
 
 const rungName = (r) => r.method + ([r.build, r.query].filter(Boolean).length ? ` (${[r.build, r.query].filter(Boolean).join("; ")})` : "");

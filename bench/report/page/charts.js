@@ -15,7 +15,7 @@ function tipHtml(r) {
     "<table>" +
     line("time", r.ns === null ? "–" : duration(r.ns) + (r.lo === null ? "" : ` (${duration(r.lo)} to ${duration(r.hi)}` + (r.reps ? `, ${r.reps} repetitions)` : ")"))) +
     line("CPU time", duration(r.cpu)) +
-    line("error", r.error === null ? "–" : figure(r.error) + (exact ? (r.promise ? " (exact)" : " (exact on this sample alone)") : "")) +
+    line("error", r.error === null ? "–" : figure(r.error) + (!exact ? "" : r.floor > COARSE ? " (as right as the truth can tell)" : r.promise ? " (exact)" : " (exact on this sample alone)")) +
     line("worst", figure(r.error_max)) + line("99 % below", figure(r.error_p99)) + line("mean", figure(r.error_mean)) +
     line("bias", figure(r.bias)) + line("recall", share(r.recall)) + line("truth's floor", figure(r.floor)) +
     line("also", r.extra) +

@@ -1,5 +1,7 @@
 // The rows, made whole again from the compact table, and the choice of what is shown.
 "use strict";
+/// A truth that is itself off by more is no rounding: what agrees with it is not exact for that (../frontier.py).
+const COARSE = 1e-5;
 const model = JSON.parse(document.getElementById("model").textContent);
 const rows = model.table.rows.map((line, i) => {
   const row = { i };
@@ -58,7 +60,7 @@ function point(r) {
   return {
     i: r.i, method: r.method, x: r.ns,
     lo: r.lo === null ? r.ns : r.lo, hi: r.hi === null ? r.ns : r.hi,
-    y: r.y, front: !!r.front, promise: !!r.promise, best: !!r.best, slot: r.slot, n: r.n,
+    y: r.y, front: !!r.front, promise: !!r.promise, coarse: r.floor > COARSE, best: !!r.best, slot: r.slot, n: r.n,
     cells: resolution ? Number(resolution[1]) : null, asked: r.query,
     build: r.built === null ? null : Math.max(r.built, model.table.least),
     bytes: r.bytes === null || !r.n ? null : Math.max((r.bytes + (r.kept || 0)) / r.n, model.table.least),
