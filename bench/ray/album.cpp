@@ -27,9 +27,11 @@ Album::Album(std::string task, std::string dataset, const std::string& folder)
   std::ifstream in(root_ / "pictures.jsonl");
   for (std::string line; std::getline(in, line);) {
     const auto entry = nlohmann::json::parse(line, nullptr, false);
-    if (!entry.is_object() || entry.value("dataset", "") != dataset_) lines_ += line + '\n';
+    const auto is = [&](const char* key, const std::string& value) {
+      return entry.contains(key) && entry[key] == value;
+    };
+    if (!(entry.is_object() && is("task", task_) && is("dataset", dataset_))) lines_ += line + '\n';
   }
-  write_index();
 }
 
 std::string Album::file(const std::string& name) const {

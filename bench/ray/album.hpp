@@ -19,7 +19,7 @@ struct Words {
 
 class Album {
  public:
-  /// Drawn again, the pictures of a dataset take the place of the earlier ones.
+  /// Drawn again, a task's pictures of a dataset take the place of the earlier ones.
   Album(std::string task, std::string dataset, const std::string& folder);
 
   /// Into the file <task>_<dataset>_<what>.png. In builds that cannot write PNG nothing is added. Throws

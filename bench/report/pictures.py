@@ -38,20 +38,36 @@ def read(folders):
                 try:
                     entry = json.loads(line)
                     found[index.parent / entry["file"]] = _picture(entry, index)  # a resumed run lists some again
-                except (ValueError, KeyError, AttributeError, TypeError, OSError) as error:
+                except (ValueError, KeyError, AttributeError, TypeError, OSError, RecursionError) as error:
                     warnings.append(f"{index}:{number}: picture left out: {error}")
     return list(found.values()), warnings
 
 
 def _picture(entry, index):
     path = index.parent / entry["file"]
-    task = entry.get("task") or index.parent.name
-    panels = tuple(str(p) for p in entry.get("panels") or ())
-    columns = int(entry.get("columns") or 0)
-    if bool(panels) != (columns > 0):
-        raise ValueError(f"{len(panels)} panels in {columns} columns")
-    return Picture(entry.get("title") or path.stem, task, entry.get("dataset") or "", entry.get("method") or "",
-                   entry.get("kind") or "picture", entry.get("caption") or "", _uri(path), columns, panels)  # fmt: skip
+    task = _text(entry, "task") or index.parent.name
+    title, dataset, method, kind, caption = (_text(entry, name) for name in ("title", "dataset", "method", "kind", "caption"))
+    panels, columns = entry.get("panels") or [], entry.get("columns") or 0
+    if not isinstance(panels, list) or type(columns) is not int or not (1 if panels else 0) <= columns <= len(panels):
+        raise ValueError(f"its panels are {_short(panels)} in {_short(columns)} columns")
+    panels = tuple(_clean(name, "a panel") for name in panels)
+    return Picture(title or path.stem, task, dataset, method, kind or "picture", caption, _uri(path), columns, panels)
+
+
+def _text(entry, name):
+    return _clean(entry.get(name) or "", name)
+
+
+def _clean(value, name):
+    """Halves of a pair that stand alone can be in JSON, but not in a file."""
+    if not isinstance(value, str):
+        raise ValueError(f"{name} is {_short(value)}, no text")
+    return value.encode("utf-8", "replace").decode()
+
+
+def _short(value):
+    text = repr(value)
+    return text if len(text) < 40 else text[:40] + "…"
 
 
 def _uri(path):

@@ -132,18 +132,22 @@ class Told(unittest.TestCase):
     def test_panels_are_named_where_they_stand(self):
         with tempfile.TemporaryDirectory() as folder:
             Path(folder, "a.png").write_bytes(b"png")
-            lines = [{"file": "a.png", "kind": "work", "columns": 2, "panels": ["one & only", "two", "three"]},
-                     {"file": "a.png", "kind": "work", "columns": 0, "panels": ["one"]}]  # fmt: skip
-            for line, names in zip(lines, (3, None)):
-                Path(folder, "pictures.jsonl").write_text(json.dumps(line))
+            index, picture = Path(folder, "pictures.jsonl"), {"file": "a.png", "kind": "work", "title": "\ud800 t"}
+            index.write_text(json.dumps(picture | {"columns": 2, "panels": ["one & only", "two", "three"]}))
+            text = pieces.gallery(pictures.read([folder])[0])
+            self.assertIn("--columns:2;--rows:2", text)
+            self.assertEqual(text.count("<li>"), 3)
+            self.assertIn("one &amp; only", text)
+            text.encode()
+            broken = [{"columns": c, "panels": p} for c, p in ((0, ["a"]), (2, ["a"]), (-1, ["a"]), (1, []), (1, "a"), (1, {"a": 1}), (1, [1]),
+                                                              (True, ["a"]), (1.5, ["a"]), (float("inf"), ["a"]), ("1", ["a"]))]  # fmt: skip
+            broken += [{name: value} for name in ("title", "kind", "caption", "method", "dataset", "task", "file") for value in (5, ["a"], {"a": 1})]
+            for fields in broken:
+                index.write_text(json.dumps(picture | fields))
                 found, warnings = pictures.read([folder])
-                if names is None:
-                    self.assertEqual((found, len(warnings)), ([], 1))
-                    continue
-                text = pieces.gallery(found)
-                self.assertIn("--columns:2;--rows:2", text)
-                self.assertEqual(text.count("<li>"), names)
-                self.assertIn("one &amp; only", text)
+                self.assertEqual((found, len(warnings)), ([], 1), fields)
+            index.write_text("[" * 200_000)
+            self.assertEqual(len(pictures.read([folder])[1]), 1)
         self.assertNotIn("<ol", pieces.gallery([pictures.Picture("t", "ray", "d", "m", "normals", "", "data:,")]))
 
     def test_strips_say_what_their_colours_mean(self):

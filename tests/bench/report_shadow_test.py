@@ -8,7 +8,7 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
-from bench.report import claims, model, shadows, static, theory
+from bench.report import claims, model, shadow_claims, shadows, static, theory
 from report_made import made, read
 
 MAP = ("shadow_map", "map", "ours", "approximate")
@@ -220,10 +220,13 @@ class Claims(unittest.TestCase):
         self.assertEqual(v.word, claims.ONLY_IF)
         self.assertEqual([round(s[1], 6) for s in v.figures], [1e-5, 5e-4, 5e-3, 2, 6, 10, 14])
         self.assertEqual([s[3] for s in v.figures], [True, True, False, True, True, True, True])
-        hard = row(NONE, "city", penumbra_share=0, **told(0, 0, 0, 0, 0.1))
-        self.assertEqual(verdict("H13", hard).figures[0][1::2], (0.1, False))
         alike = row(NONE, "shadow_sphere_over_floor_0.5", hard=True, penumbra_share=0.2, **told(5e-3, 5e-3, 5e-3, 5e-3, 5e-3))
         self.assertEqual([s[3] for s in verdict("H13", alike).figures], [False] * 5)  # not large alone
+
+    def test_split_is_told_of_the_surfaces_that_are_measured(self):
+        source = (Path(__file__).parents[2] / "bench/shadow/split.hpp").read_text()
+        listed = re.search(r"split_roughness\{(.*?)\}", source, re.DOTALL).group(1).split(",")[1:]
+        self.assertEqual(tuple(map(float, listed)), shadow_claims.SPLIT_ALPHAS)
 
     def test_without_rows_nothing_is_run(self):
         words = {v.id: v.word for v in claims.ledger(list(read(row(NONE, "half_plane_edge", penumbra_share=0.1))))}

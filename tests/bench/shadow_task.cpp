@@ -264,6 +264,10 @@ TEST(ShadowProgram, SmokeProfileEndsWell) {
     if (row["status"] == "ok" && row["query_set"] == "image" &&
         row["method"].get<std::string>().ends_with("redrawn_map"))
       maps[row["method"].get<std::string>() + row["build_knobs"].dump()] = row["error"];
+    if (row["status"] == "ok" && row["query_set"] == "image") {
+      for (const char* field : {"", "_ggx_0.5", "_ggx_0.2", "_ggx_0.1", "_ggx_0.05"})
+        EXPECT_GT(row.value("shadow_split" + std::string(field), 0.0), 0) << field;
+    }
     EXPECT_TRUE(row["status"] == "ok" || row["status"] == "unsupported" || row["status"] == "not_built")
         << row;
   }
