@@ -28,7 +28,8 @@ std::vector<BlockSpec> RegionAverageTask::blocks(Profile profile) const {
     case Profile::smoke:
       return {{"mask", 256 * 256}, {"marble", 64 * 64}};
     case Profile::quick:
-      return {{"mask", one_k}, {"noise", one_k}, {"noise", 4 * one_k}, {"marble", one_k}};
+      return {{"mask", one_k},      {"noise", one_k},         {"noise", 4 * one_k}, {"marble", one_k},
+              {"ramp", one_k / 16}, {"checkers", one_k / 16}, {"star", one_k / 16}};
     case Profile::full:
       break;
   }
@@ -60,7 +61,7 @@ std::unique_ptr<Block> RegionAverageTask::open(const BlockSpec& spec, const RunC
     Image& image = input.dataset.image = c.make();
     input.sets = make_hard_sets(image.width, image.height, 200, context.seed);
     if (c.independent)
-      for (FootprintSet& set : make_whole_sets(image.width, image.height, 1024, context.seed))
+      for (FootprintSet& set : make_whole_sets(image.width, image.height, 4096, context.seed))
         input.sets.push_back(std::move(set));
     input.must_answer = c.expect == datasets::Expect::answers;
     input.moments = c.moments, input.independent = c.independent;

@@ -340,7 +340,7 @@ def split(claim, rows):
         told = [r for _, r in sizes if field(r, name) is not None]
         if field(widest, name) is not None:
             error, diffuse = field(widest, name), field(widest, "split")
-            c.say(f"the surface is rougher than {alpha:g}: such a one, in its highlight under the widest of these, errs more than a diffuse "
+            c.say(f"the surface is rougher than {alpha:g}: one as smooth, in its highlight under the widest of these, errs more than a diffuse "
                   "one (times its error)", error / max(diffuse, 1e-9), error > max(UNSEEN, ROOM * diffuse), told, name)  # fmt: skip
     verdict = c.verdict()
     verdict.coverage += "; under a light without extent it is exact by definition"
