@@ -171,7 +171,7 @@ def _split_chart(values, width):
     scale = alt.Scale(type="log", nice=False, padding=10)
     y = alt.Y("y:Q", scale=scale, axis=alt.Axis(title="RMS error, share of the light, log", format=".0e", tickCount=6, gridOpacity=0.5))
     base = alt.Chart(alt.Data(values=values)).encode(x=x, y=y, color=color)
-    names = base.transform_filter(alt.datum.surface == surfaces[-1]).mark_text(align="left", dx=8, fontSize=10).encode(text="radius:N")
+    names = base.transform_filter(alt.datum.surface == surfaces[-1]).mark_text(align="right", dx=6, dy=-10, fontSize=10).encode(text="radius:N")
     seen = alt.Chart(alt.Data(values=[{"y": shadow_claims.UNSEEN}])).mark_rule(color=INK, strokeDash=[4, 3], opacity=0.6)
     dots = base.mark_point(filled=True, size=50).encode(
         tooltip=[alt.Tooltip("radius:N", title="disc"), alt.Tooltip("surface:N"), alt.Tooltip("told:N", title="error")])  # fmt: skip
