@@ -220,10 +220,10 @@ class Trilinear : public OnMipChain {
       : OnMipChain(std::move(chain)), bias_(bias) {}
 
   void mean(const Footprint& f, float* out) const { means({&f, 1}, out); }
-  /// A block of queries at a time, their levels first. Where the finest of these is not too large, each further
-  /// step is taken for a register of queries, which gather from the levels and their texels: 1.3 to 2 times as
-  /// fast as one by one (Xeon with AVX-512). Else memory is what takes the time: all places of a block are
-  /// found and fetched before one is read.
+  /// A block of queries at a time, their levels first. Where the finest of these is not too large, each
+  /// further step is taken for a register of queries, which gather from the levels and their texels: 1.3 to 2
+  /// times as fast as one by one (Xeon with AVX-512). Else memory is what takes the time: all places of a
+  /// block are found and fetched before one is read.
   void means(std::span<const Footprint> footprints, float* out) const {
     const auto bias = static_cast<float>(bias_);
     with_channels(channels(), [&](auto count) {

@@ -52,30 +52,33 @@ TEST(TextureMips, ABatchIsAnsweredAsItsFootprintsAreOneByOne) {
 
 // Levels of more than half a MiB, which most here are looked up in, are too large for the caches: places are
 // found first and read afterwards. Each must be what it is by itself.
-TEST(TextureMips, LookUpsThatWaitForMemoryTogetherAreThoseOneByOne) {
-  for (const int n : {1, 3, 4}) {
-    const auto chain = std::make_shared<const MipChain>(random_levels(701, 503, n));
-    ASSERT_GT(701 * 503 * n * sizeof(float), std::size_t{1} << 19);
-    geometry::Pcg32 random(8);
-    std::vector<Footprint> asked;
-    for (int i = 0; i < 1000; ++i) {
-      const double size =
-          std::exp2(random.uniform(-3.0, 10.0)) * (i % 16 ? 1 : 1e-3);  // some of a texel's size
-      asked.push_back(rotated_box(random.uniform(-50.0, 750.0), random.uniform(-50.0, 550.0), size,
-                                  random.uniform(0.1, 1.0) * size, random.uniform(0.0, 7.0)));
+/// By registers, where the finest level that a block reads is up to 8 MiB; of larger ones, all places of a
+/// block are fetched first.
+TEST(TextureMips, BlocksOfLookUpsAreThoseOneByOne) {
+  for (const auto& [width, height, large] : {std::tuple(701, 503, false), {1511, 1409, true}})
+    for (const int n : {1, 2, 3, 4}) {
+      const auto chain = std::make_shared<const MipChain>(random_levels(width, height, n));
+      ASSERT_EQ(sizeof(float) * std::size_t(width * height * n) > std::size_t{1} << 23, large);
+      geometry::Pcg32 random(8);
+      std::vector<Footprint> asked;
+      for (int i = 0; i < 1000; ++i) {
+        const double size =
+            std::exp2(random.uniform(-3.0, 10.0)) * (i % 16 ? 1 : 1e-3);  // some of a texel's size
+        asked.push_back(rotated_box(random.uniform(-50.0, width + 50.0), random.uniform(-50.0, height + 50.0),
+                                    size, random.uniform(0.1, 1.0) * size, random.uniform(0.0, 7.0)));
+      }
+      for (const double bias : {0.0, best_bias}) {
+        std::vector<float> found(asked.size() * std::size_t(n)), alone(found.size());
+        means(Trilinear(chain, bias), asked, found);
+        with_channels(n, [&](auto channels) {
+          for (std::size_t i = 0; i < asked.size(); ++i)
+            mip::add_trilinear<channels>(*chain, float(asked[i].x), float(asked[i].y),
+                                         0.5f * mip::log2_of(mip::longer_squared(asked[i])) + float(bias), 1,
+                                         alone.data() + i * std::size_t(n));
+        });
+        EXPECT_EQ(found, alone) << width << ' ' << n << ' ' << bias;
+      }
     }
-    for (const double bias : {0.0, best_bias}) {
-      std::vector<float> found(asked.size() * std::size_t(n)), alone(found.size());
-      means(Trilinear(chain, bias), asked, found);
-      with_channels(n, [&](auto channels) {
-        for (std::size_t i = 0; i < asked.size(); ++i)
-          mip::add_trilinear<channels>(*chain, float(asked[i].x), float(asked[i].y),
-                                       0.5f * mip::log2_of(mip::longer_squared(asked[i])) + float(bias), 1,
-                                       alone.data() + i * std::size_t(n));
-      });
-      EXPECT_EQ(found, alone) << n << " " << bias;
-    }
-  }
 }
 
 TEST(TextureMips, LogarithmsAreNear) {
